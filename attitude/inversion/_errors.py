@@ -325,7 +325,7 @@ def costs(
 
     Shapes: moments (3,), wxyz, omega (M, 4) rad/s, seconds (N,) s.
     """
-    nodes = problem.at_nodes()
+    nodes = problem.at_nodes
     count_states(nodes, known, len(wxyz))
     # the epochs of the nodes, from the origin of the seconds
     shifts = (nodes.t.reshape(-1, len(problem)) - problem.t) * problem.span

@@ -65,6 +65,8 @@ _MEAN_BELOW = 0.9733
 _LEAST_ERROR = 0.003
 # Fits with weights of Student's distribution, each with those of the residuals before it.
 _ROUNDS = 2
+# Relative gains at which the fits before the last one end, of which the weights are, and the last.
+_ROUGH, _FINE = 1e-3, 1e-4
 # Rounds in which the errors that the series of an orbit leaves are estimated.
 _ROUNDS_OF_ERRORS = 4
 # The largest share of their variance that neighbouring residuals are taken to have in common.
@@ -137,8 +139,8 @@ def refined(
     """
     stay = fixed if held is None else held
 
-    def fit(reweighted: CurveProblem, state: FloatArray) -> Evaluation[FloatArray]:
-        return _refinement.refine(reweighted, state, tie=tie, fixed=stay, gain=1e-4)
+    def fit(reweighted: CurveProblem, state: FloatArray, gain: float) -> Evaluation[FloatArray]:
+        return _refinement.refine(reweighted, state, tie=tie, fixed=stay, gain=gain)
 
     robust = student(problem, start, fit, int(np.count_nonzero(~fixed[:MOTION])), trials)
     if held is not None:
@@ -207,15 +209,14 @@ def of_fit(fit: Refined, points: int) -> float:
 
 
 def of_orbit(
-    inner: FloatArray, along: FloatArray, left: FloatArray, points: float, least: float
+    values: FloatArray, along: FloatArray, left: FloatArray, points: float, least: float
 ) -> float:
     """The evidence of terms of an orbit beside a body, with amplitudes of unit variance.
 
-    inner (M, M), along (M,): their products, and those with what the body leaves (N,) of so many
-    points.  Errors are those that the terms leave, of a variance of `least` or more.
+    values (M,): eigenvalues of their products; along (M,): squares of the products of these
+    combinations with what the body leaves (N,) of so many points.  Errors are those that the terms
+    leave, of a variance of `least` or more.
     """
-    values, vectors = np.linalg.eigh(inner)
-    along = (vectors.T @ along) ** 2
     total = float(left @ left)
     size = 1.0
     for _ in range(_ROUNDS_OF_ERRORS):
@@ -317,14 +318,17 @@ def weights(square: FloatArray) -> FloatArray:
 def student(
     problem: CurveProblem,
     start: State,
-    fit: Callable[[CurveProblem, State], Evaluation[State]],
+    fit: Callable[[CurveProblem, State, float], Evaluation[State]],
     free: int,
     trials: float = 1.0,
 ) -> Weighted[State]:
-    """The state of largest posterior density near a start, with Student's errors."""
+    """The state of largest posterior density near a start, with Student's errors.
+
+    `fit` is given the relative gain at which it ends.
+    """
     state, reweighted, size = start, problem, problem.errors
     for turn in range(_ROUNDS + 1):
-        evaluation = fit(reweighted, state)
+        evaluation = fit(reweighted, state, _ROUGH if turn < _ROUNDS else _FINE)
         fitted, state = evaluation.fitted, evaluation.fitted.state
         residual, coefficients = residuals(reweighted, fitted.magnitude)
         square = (residual / size) ** 2
@@ -344,7 +348,7 @@ def constant(problem: CurveProblem) -> Weighted[None]:
 
     nothing = np.zeros(0)
 
-    def fit(reweighted: CurveProblem, _: None) -> Evaluation[None]:
+    def fit(reweighted: CurveProblem, _: None, __: float) -> Evaluation[None]:
         chi = reweighted.chi_squared(zeros)
         fitted = Fitted(None, cost=chi, chi_squared=chi, strain=0.0, areas=nothing, magnitude=zeros)
         return Evaluation(fitted, lambda: (nothing[:, None], nothing))

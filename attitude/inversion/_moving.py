@@ -299,7 +299,7 @@ class MovingFit:
 
     def model(self, problem: CurveProblem, state: MovingState) -> ShapeModel:
         """The magnitudes of a state, means over exposures, with derivatives."""
-        point, nodes = state.point, problem.at_nodes()
+        point, nodes = state.point, problem.at_nodes
         seconds = seconds_of(point, self.epoch, nodes.seconds)
         matrix, slopes = point.attitudes(seconds)
         sun = np.ascontiguousarray(np.einsum("nij,in->nj", matrix, nodes.sun))
@@ -383,7 +383,7 @@ class MovingFit:
         return _evidence.student(
             whole,
             best.state,
-            lambda reweighted, state: self.minimum(reweighted, state, _LAST, 1e-5),
+            lambda reweighted, state, gain: self.minimum(reweighted, state, _LAST, 0.1 * gain),
             free,
         )
 

@@ -54,8 +54,10 @@ _STEPS = 12
 _HELD = (25, 1e-3)
 # Those of free poles.
 _FREE = (40, 3e-4)
-# Those of tumbling bodies at held poles.
-_BODIES = (8, 1e-3)
+# Steps of tumbling bodies of few modes at held poles.
+_FEW_STEPS = 4
+# The gain of tumbling bodies at held poles.
+_BODIES = 1e-3
 # What stays where the pole is held.
 _POLE_HELD = np.arange(_refinement.SIZE) < 2
 # Angle, rad, up to which other minima are errors of a pole.
@@ -192,13 +194,12 @@ def of_rates(
     many poles of a curve fitted alike, and the true one was not among the best.
     """
     settings = problem.settings
-    problem = problem.with_model_error(settings.body_error)
+    problem = problem.with_few_nodes().with_model_error(settings.body_error)
     count, starts = settings.map_poles, settings.map_starts
     at_poles = _at_poles(problem, generator, state, held, count, starts, has_x=True)
     free = _ellipsoid.minimised(problem, at_poles.states[: count // 2], 2 * _STEPS, tie=held)
-    evaluations = _refined(problem, at_poles.states, tie, _POLE_HELD, _BODIES, is_over)
-    bodies = [evaluation.fitted for evaluation in evaluations]
-    bodies.sort(key=lambda body: body.cost)
+    stages = (count, _FEW_STEPS), (settings.map_refined, _STEPS // 2)
+    bodies = _in_stages(problem, at_poles.states, tie, stages, _shapes.MODES, is_over)
     both = in_turn((body.state for body in bodies), _ellipsoid.in_order(free).states)
     return [candidate for candidate in both if _has_rates(problem, candidate, state)]
 
@@ -263,17 +264,9 @@ def in_few_steps(
     settings = problem.settings
     count, starts = settings.class_poles, settings.class_starts
     at_poles = _at_poles(problem, generator, state, held, count, starts, has_x=False)
-    problem, states = problem.with_model_error(settings.body_error), at_poles.states
-    bodies: list[BodyFit] = []
-    for most, iterations in settings.class_bodies:
-        accuracy, modes = (iterations, _BODIES[1]), settings.short_modes
-        evaluations = _refined(
-            problem, states[:most], tie, _POLE_HELD, accuracy, lambda: False, modes
-        )
-        bodies = [evaluation.fitted for evaluation in evaluations]
-        bodies.sort(key=lambda body: body.cost)
-        states = np.array([body.state for body in bodies])
-    return bodies
+    problem = problem.with_model_error(settings.body_error)
+    stages, modes = settings.class_bodies, settings.short_modes
+    return _in_stages(problem, at_poles.states, tie, stages, modes, lambda: False)
 
 
 def minima(
@@ -333,6 +326,31 @@ def apart(
 
     new = (fit for fit in fits if not any(is_entry(fit.state, state) for state in others))
     return distinct(new, lambda a, b: is_entry(a.state, b.state))
+
+
+def _in_stages(
+    problem: CurveProblem,
+    states: FloatArray,
+    tie: Tie,
+    stages: Sequence[tuple[int, int]],
+    modes: int,
+    is_over: Callable[[], bool],
+) -> list[BodyFit]:
+    """Tumbling bodies at the poles of states, the best first.
+
+    In stages: of the best so many bodies take so many steps, in the last stage with all `modes`.
+    """
+    bodies: list[BodyFit] = []
+    for number, (most, iterations) in enumerate(stages, 1):
+        of_shape = modes if number == len(stages) else problem.settings.short_modes
+        evaluations = _refined(
+            problem, states[:most], tie, _POLE_HELD, (iterations, _BODIES), is_over, of_shape
+        )
+        of_stage = sorted((one.fitted for one in evaluations), key=lambda body: body.cost)
+        # a budget that ended before a stage leaves the bodies of the last one
+        bodies = of_stage or bodies
+        states = np.array([body.state for body in bodies])
+    return bodies
 
 
 def _refined(

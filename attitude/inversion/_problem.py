@@ -6,7 +6,7 @@ Epochs are in units of the span, from the middle, so that rates are turns per sp
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cache, cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,13 +22,21 @@ if TYPE_CHECKING:
     from attitude._support.annotations import BoolArray, FloatArray, IntArray
 
 
-# Nodes, and their weights, of exposures whose body turns by up to some 0.3 of a turn: an error
-# below 1e-4 of the brightness at five nodes (tests/inversion/test_exposures.py).
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(5)
+# Nodes of exposures whose body turns by up to some 0.3 of a turn: an error below 1e-4 of the
+# brightness (tests/inversion/test_exposures.py).
+_NODES = 5
+# Nodes where fits are only ranked: the mean of a wave of 0.4 turns to 1 %.
+_FEW_NODES = 2
 # Exposures, in spans, that are shorter than this have one node.
 _INSTANT = 1e-9
 # Eigenvalues of the scaled linear terms, relative to 1, below which a combination is a copy.
 _COPY = 1e-10
+
+
+@cache
+def _quadrature(count: int) -> tuple[FloatArray, FloatArray]:
+    """Nodes from -1 to 1, and weights, of Gauss and Legendre."""
+    return np.polynomial.legendre.leggauss(count)
 
 
 def inverse_factor(
@@ -91,6 +99,7 @@ class CurveProblem:
     # The work done on this and on all problems that were made from it.
     tally: Tally = field(default_factory=Tally)
     exposure: FloatArray | None = None  # (N,), spans, over which the brightness is averaged, if any
+    nodes: int = _NODES  # of each exposure
     # The number (N,) of the session and filter of each point; by default all are of one.
     series: IntArray = field(default_factory=lambda: np.zeros(0, int))
 
@@ -181,14 +190,19 @@ class CurveProblem:
         """Epochs (N,) of emission, s from the middle of the span."""
         return self.t * self.span
 
+    def with_few_nodes(self) -> CurveProblem:
+        """The problem with few nodes of its exposures, by which fits are ranked."""
+        return self if self.exposure is None else replace(self, nodes=_FEW_NODES)
+
+    @cached_property
     def at_nodes(self) -> CurveProblem:
         """The problem at nodes of the exposures, (K, N) in a row, if any; vectors of the middle."""
         if self.exposure is None or float(self.exposure.max()) < _INSTANT:
             return self
-        count = len(_NODES)
-        t = self.t + 0.5 * _NODES[:, None] * self.exposure
-        sun, observer = (np.tile(directions, count) for directions in (self.sun, self.observer))
-        series = np.tile(self.series, count)
+        places, _ = _quadrature(self.nodes)
+        t = self.t + 0.5 * places[:, None] * self.exposure
+        sun, observer = (np.tile(vectors, self.nodes) for vectors in (self.sun, self.observer))
+        series = np.tile(self.series, self.nodes)
         nodes = t.reshape(-1)
         return replace(self, t=nodes, sun=sun, observer=observer, exposure=None, series=series)
 
@@ -196,8 +210,9 @@ class CurveProblem:
         """Magnitudes (..., N) of the mean fluxes, from those (..., K N) at the nodes."""
         if magnitude.shape[-1] == len(self):
             return magnitude
-        at = magnitude.reshape(*magnitude.shape[:-1], len(_NODES), -1)
-        flux = np.sum(0.5 * _WEIGHTS[:, None] * 10.0 ** (-0.4 * at), axis=-2)
+        at = magnitude.reshape(*magnitude.shape[:-1], self.nodes, -1)
+        _, weights = _quadrature(self.nodes)
+        flux = np.sum(0.5 * weights[:, None] * 10.0 ** (-0.4 * at), axis=-2)
         return -2.5 * np.log10(flux)
 
     def shares(self, magnitude: FloatArray) -> FloatArray | None:
@@ -207,8 +222,9 @@ class CurveProblem:
         """
         if len(magnitude) == len(self):
             return None
-        at = magnitude.reshape(len(_NODES), -1)
-        share = 0.5 * _WEIGHTS[:, None] * 10.0 ** (-0.4 * (at - self.mean_magnitudes(magnitude)))
+        at = magnitude.reshape(self.nodes, -1)
+        _, weights = _quadrature(self.nodes)
+        share = 0.5 * weights[:, None] * 10.0 ** (-0.4 * (at - self.mean_magnitudes(magnitude)))
         return np.asarray(share, np.float64)
 
     def projected(self, rows: FloatArray) -> FloatArray:

@@ -221,7 +221,7 @@ class ShapeModel:
 
 def model(problem: CurveProblem, state: FloatArray) -> ShapeModel:
     """The magnitudes of a state (WIDTH or less,), means over exposures, with derivatives."""
-    nodes = problem.at_nodes()
+    nodes = problem.at_nodes
     t, count = nodes.t, len(nodes)
     share = 0.5 * (1.0 + (len(state) - _ellipsoid.WIDTH) / _shapes.MODES)
     settings = problem.settings

@@ -224,12 +224,14 @@ def beside(problem: CurveProblem, pair: AdditivePair, alone: Explained) -> Curve
     # in units of the errors with the model error
     least = float(np.mean((alone.problem.sigma * alone.problem.root) ** 2))
     likelihoods = []
-    for choice in itertools.product(_AMPLITUDES, _CHANGES, _WIDE):
-        wide = _deviations(*choice)
-        evidence = _evidence.of_orbit(
-            inner * np.outer(wide, wide), along * wide, alone.left, alone.points, least
-        )
-        likelihoods.append((evidence, choice))
+    for change, wide in itertools.product(_CHANGES, _WIDE):
+        scale = _deviations(1.0, change, wide)
+        values, vectors = np.linalg.eigh(inner * np.outer(scale, scale))
+        squares = (vectors.T @ (along * scale)) ** 2
+        for amplitude in _AMPLITUDES:
+            of_unit = amplitude**2 * values, amplitude**2 * squares
+            evidence = _evidence.of_orbit(*of_unit, alone.left, alone.points, least)
+            likelihoods.append((evidence, (amplitude, change, wide)))
     return problem.with_terms(terms, _deviations(*min(likelihoods)[1]), pair.orbit)
 
 

@@ -417,6 +417,7 @@ class Search:
 
     def _thinned(self, problem: CurveProblem, number: int) -> CurveProblem:
         """A problem with as many of its points as ellipsoids of a round are fitted to."""
+        problem = problem.with_few_nodes()
         step = round(len(problem) / (self.settings.scan_points * 2**number))
         return problem.part(np.arange(len(problem)) % step == 0) if step > 1 else problem
 
@@ -483,10 +484,15 @@ class Search:
                 break
         pool = _ellipsoid.in_order(*parts)
         deep = [pool]
-        for rate in _ellipsoid.rates_of(pool, self.settings.classes):
+        settings = self.settings
+        near = pool.cost < settings.far_worse * pool.cost.min(initial=math.inf)
+        rates_of_best = _ellipsoid.rates_of(pool.rows(np.flatnonzero(near)), settings.classes)
+        least = _ellipsoid.rates_of(pool, settings.deep_least)
+        for rate in max(rates_of_best, least, key=len):
             if self.is_over:
                 break
-            deep.append(self._around(problem, [rate], self.settings.deep_starts * more, 40))
+            count = settings.deep_starts * more
+            deep.append(_ellipsoid.deep(problem, self.generator, rate, count, tie=self._held))
         return _ellipsoid.in_order(*deep)
 
     def _around(
@@ -659,10 +665,11 @@ class Search:
     def _worthy(self, states: list[FloatArray]) -> list[FloatArray]:
         """States after a few convex steps, the best first, without those that stay far behind."""
         fits: list[BodyFit] = []
+        problem = self.problem.with_few_nodes()
         for state in states:
             if self.is_over and fits:
                 break
-            fits.append(self._fit(state, self.settings.short_steps))
+            fits.append(self._fit(state, self.settings.short_steps, problem))
         fits.sort(key=lambda fit: fit.cost)
         most = self.settings.short_worse * min(fit.cost for fit in (*fits[:1], *self.convex[:1]))
         return [
@@ -678,11 +685,14 @@ class Search:
         """
         classes: list[list[FloatArray]] = []
         firsts = np.empty((0, _ellipsoid.WIDTH))
-        for state in pool.states[: self.settings.short_states]:
+        near = pool.cost < self.settings.far_worse * pool.cost.min(initial=math.inf)
+        count = self.settings.short_states
+        for state, is_near in zip(pool.states[:count], near[:count], strict=True):
             at = np.flatnonzero(self._with_rates(firsts, state))
+            most = self.settings.short_classes if is_near else self.settings.far_classes
             if at.size:
                 classes[at[0]].append(state)
-            elif len(classes) < self.settings.short_classes:
+            elif len(classes) < most:
                 classes.append([state])
                 firsts = np.concatenate([firsts, state[None]])
         stages = (

@@ -127,6 +127,8 @@ class Settings:
     scan_points: int = 200
     # Starts of each of the best pairs of rates, since a few miss one body in ten.
     deep_starts: int = 40
+    # Pairs of rates, the best, that get these whatever their cost.
+    deep_least: int = 8
     # Rounds at most: the last one tries 64 times as many starts as the first.
     rounds: int = 7
     # Pairs of rates that get more starts.
@@ -136,6 +138,11 @@ class Settings:
     # Pairs of rates whose best ellipsoids are made lopsided in a few steps, to rank the pairs: the
     # ellipsoids of true rates came up to 300th, these 1st to 31st.
     short_classes: int = 300
+    # Pairs of rates among them, the first, whatever their cost.
+    far_classes: int = 40
+    # Cost of an ellipsoid over the least, above which no other pair of rates goes on: of 33 curves
+    # true rates had up to 1.4 of it, and of clear ones all others had more than 4.
+    far_worse: float = 3.0
     # Modes of these bodies, up to degree 4: with all 90 true rates came up to 130th.
     short_modes: int = 24
     # Steps of these bodies, which rank the pairs and no more.
@@ -205,6 +212,9 @@ class Settings:
     map_poles: int = 150
     # Starts at each of these poles, for phase, tilt and shape are not known.
     map_starts: int = 6
+    # Bodies at these poles, the best with few modes, that get all: the best eight with all modes at
+    # all poles came up to the 46th with few, one 97th.
+    map_refined: int = 60
     # Maps of one pair of rates, from poles apart: the shape of a wrong one left out the true pole.
     maps: int = 2
     # Bodies of each map, the best, that become solutions.

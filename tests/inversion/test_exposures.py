@@ -55,7 +55,7 @@ def test_magnitudes_over_exposures_and_their_derivatives():
     given = smeared(sigma=1e-12)
     curve = _problem.usable(inversion.LightCurve(**given, exposure=EXPOSURE))
     problem, _ = _problem.problem(curve, 1e-4, 0.02, "shared")
-    assert len(problem.at_nodes()) == 5 * len(problem)
+    assert len(problem.at_nodes) == 5 * len(problem)
     fit = inversion.refine(curve, start_beside())
     state = fit.weighted.refined.state
     model = fit._model(problem)
@@ -66,18 +66,26 @@ def test_magnitudes_over_exposures_and_their_derivatives():
     by = (fit._fit.model(problem, moved).magnitude - model.magnitude) / change[3]
     np.testing.assert_allclose(by, model.jacobian[3], atol=2e-4 * np.abs(by).max())
     # the true motion and body: five nodes against 21
-    nodes = problem.at_nodes()
+    nodes = problem.at_nodes
     middle = curve.epoch.seconds - SPIN.epoch.seconds
     matrix = FreeRotation(BODY, SPIN).at(nodes.t * problem.span + middle).matrix
     seen = [np.einsum("nij,in->nj", matrix, each) for each in (nodes.sun, nodes.observer)]
     at = -2.5 * np.log10(light_curve.brightness(SHAPE, "lommel-seeliger", *seen))
     mean = problem.mean_magnitudes(at) + 15.0
     np.testing.assert_allclose(mean, curve.magnitude, atol=1e-4)
+    few = problem.with_few_nodes()
+    nodes = few.at_nodes
+    assert len(nodes) == 2 * len(problem)
+    matrix = FreeRotation(BODY, SPIN).at(nodes.t * problem.span + middle).matrix
+    seen = [np.einsum("nij,in->nj", matrix, each) for each in (nodes.sun, nodes.observer)]
+    at = -2.5 * np.log10(light_curve.brightness(SHAPE, "lommel-seeliger", *seen))
+    off_by = few.mean_magnitudes(at) + 15.0 - curve.magnitude
+    assert 1e-4 < np.abs(off_by).max() < 0.02
     # a mean of fluxes: a constant flux stays, and that of a linear one is its middle
     at = np.zeros((5, len(problem))).reshape(-1)
     np.testing.assert_allclose(problem.mean_magnitudes(at), 0.0, atol=1e-15)
     instant, _ = _problem.problem(curve.replaced(exposure=None), 1e-4, 0.02, "shared")
-    assert instant.at_nodes() is instant
+    assert instant.at_nodes is instant
 
 
 def test_exposures_of_files_and_wrong_ones(tmp_path):

@@ -297,6 +297,70 @@ def test_another_rate_of_rotation_has_a_coarser_map(monkeypatch, costs, ahead, e
     assert maps == expected
 
 
+@pytest.mark.parametrize(("factor", "short", "deep"), [(2.9, 60, 30), (3.1, 40, 8)])
+def test_pairs_of_rates_far_above_the_least_cost_are_not_followed(monkeypatch, factor, short, deep):
+    """But for the first ones, which the verdict is compared with."""
+    states = np.repeat(_body()[None, :16], 60, axis=0)
+    states[:, _ellipsoid.OF_NUTATION] -= np.arange(60.0)
+    pool = _ellipsoid.Pool(np.where(np.arange(60), factor, 1.0), states)
+    search, fitted, followed = _search_of(_given(np.zeros(COUNT))), [], []
+
+    def fit(self, state, steps, problem, modes):
+        fitted.append((float(state[_ellipsoid.OF_NUTATION]), modes))
+        return SimpleNamespace(state=state, cost=0.0)
+
+    def followed_one(problem, generator, rate, count, *, tie):
+        followed.append(rate)
+        return pool.rows(np.array([0]))
+
+    monkeypatch.setattr(_search.Search, "_fit", fit)
+    monkeypatch.setattr(_ellipsoid, "narrowed", lambda *given, **named: pool)
+    monkeypatch.setattr(_ellipsoid, "deep", followed_one)
+    search._by_short_fits(pool, search.problem)
+    with_few = [nutation for nutation, modes in fitted if modes == DEFAULT.short_modes]
+    assert with_few == states[:short, _ellipsoid.OF_NUTATION].tolist()
+    search._ellipsoids(search.problem, [None], None, 6, 1, 1, "rates")
+    assert [rate.nutation for rate in followed] == states[:deep, _ellipsoid.OF_NUTATION].tolist()
+
+
+def test_costs_of_narrowed_rates_are_those_of_all_points():
+    """The first steps have half of them."""
+    generator = np.random.default_rng(4)
+    across = generator.normal(size=(2, 3, COUNT))
+    sun, observer = across / np.linalg.norm(across, axis=1)[:, None]
+    problem = _given(0.2 * generator.normal(size=COUNT), sun=sun, observer=observer)
+    rates = [_lattices.Candidate(20.0, f) for f in (7.0, 9.0, -8.0, -12.0)]
+    held = _ellipsoid.Held(problem.settings.tie)
+    pool = _ellipsoid.narrowed(problem, generator, rates, 6, tie=held, poles=None)
+    again = _ellipsoid.minimised(problem, pool.states, 1, tie=held)
+    # the worse half of the rates is left with those of the half, over its share
+    better = np.argsort(pool.cost)[:2]
+    np.testing.assert_allclose(pool.cost[better], again.cost[better], rtol=1e-9)
+    np.testing.assert_allclose(pool.cost, again.cost, rtol=0.3)
+
+
+def test_deep_starts_end_where_all_of_them_do():
+    case = families.KINDS["tumblers"].case(7200000, 0)
+    curve = families.curve_of(case, "shared")
+    problem, _ = _problem.problem(curve, case.most / 86400.0, 0.07, "shared")
+    span = np.ptp(case.jd)
+    long = case.mode == "LAM"
+    phi, psi = span / case.P_phi, span / case.P_psi
+    rate = _lattices.Candidate(0.5 * (phi + long * psi), psi if long else -psi)
+    held = _ellipsoid.Held(problem.settings.tie)
+    pools = [
+        _ellipsoid.deep(problem, np.random.default_rng(1), rate, 40, tie=held),
+        _ellipsoid.around(problem, np.random.default_rng(1), [rate], 40, iterations=40, tie=held),
+    ]
+    assert [len(pool.cost) for pool in pools] == [16, 40]
+    assert pools[0].cost.min() < 1.001 * pools[1].cost.min()
+    spent = problem.tally.spent
+    _ellipsoid.deep(problem, np.random.default_rng(1), rate, 40, tie=held)
+    once = problem.tally.spent - spent
+    _ellipsoid.around(problem, np.random.default_rng(1), [rate], 40, iterations=40, tie=held)
+    assert once < 0.8 * (problem.tally.spent - spent - once)
+
+
 def _compared_fits(monkeypatch):
     """The fits that are compared when a search ends, and whether with the wide prior."""
     compared = []
