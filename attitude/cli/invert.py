@@ -85,7 +85,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     words = "both rates of a body that tumbles over several apparitions may change, as by YORP"
     parser.add_argument("--drift", action="store_true", help=words)
-    parser.add_argument("--budget", default="60 s", help="work, s of one idle core (60 s)")
+    parser.add_argument("--budget", default="60 s", help="work, s of one core (60 s)")
     parser.add_argument("--seed", type=int, default=0, help="of the random starts (0)")
     parser.add_argument("--output", metavar="FILE.toml", help="spin file of the best solution")
     _output.add_figure(parser)

@@ -225,7 +225,8 @@ def model(problem: CurveProblem, state: FloatArray) -> ShapeModel:
     t, count = nodes.t, len(nodes)
     share = 0.5 * (1.0 + (len(state) - _ellipsoid.WIDTH) / _shapes.MODES)
     settings = problem.settings
-    problem.tally.add(1, settings.step_cost + share * count * settings.body_cost)
+    a_point = share * settings.body_cost + len(problem.u) * settings.body_term_cost
+    problem.tally.add(1, settings.step_cost + count * a_point)
     drift = state[WIDTH:]
     r, g = _drifting(state, t) if drift.size else _motions.at_epochs(state, t)
     sun, observer = np.empty((2, 3, count))

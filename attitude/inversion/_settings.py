@@ -6,7 +6,7 @@ grids, orders, steps and damping, laws of distributions, tests for degenerate sh
 record without a problem is judged by, as the dips of `_satellites.AdditivePair`.
 
 A problem carries `Settings` and `Tally`, so that a search can be run with a changed threshold.  The
-budget of a search is in seconds of one idle core, estimated from the work: a seed gives one result
+budget of a search is in seconds of one core, estimated from the work: a seed gives one result
 on every machine and under every load.
 """
 
@@ -34,7 +34,7 @@ _ABOVE_ZERO = frozenset(
 
 @dataclass
 class Tally:
-    """Work, estimated in seconds of one idle core, and the most that may be done.
+    """Work, estimated in seconds of one core, and the most that may be done.
 
     Attributes
     ----------
@@ -66,32 +66,35 @@ class Settings:
     Differences of evidence are those of -2 ln.  "Point" is a point of the light curve.
     """
 
-    # ---- Costs, s of one core of 3 GHz (`benchmarks/inversion.py costs`), by which work is counted
+    # ---- Costs, s of one core of 2 GHz, by which work is counted: means of whole searches, beside
+    # another process (of the fastest runs of parts, `benchmarks/inversion.py costs`, a fifth less)
     # A pair of frequencies.
-    pair_cost: float = 2.2e-6
+    pair_cost: float = 3.0e-6
     # A pair of which the powers of the lines alone are summed.
-    power_cost: float = 1.0e-7
+    power_cost: float = 1.3e-7
     # An ellipsoid, a point, with derivatives and their products.
-    ellipsoid_cost: float = 3.5e-8
+    ellipsoid_cost: float = 5.4e-8
     # The same without derivatives.
-    screen_cost: float = 1.9e-8
+    screen_cost: float = 2.9e-8
     # A step of an ellipsoid, whatever the number of points.
-    start_cost: float = 3.1e-6
+    start_cost: float = 4.3e-6
     # The products of a linear term with the rows of an ellipsoid, a point.
-    term_cost: float = 6.0e-10
+    term_cost: float = 8.4e-10
     # A convex body, a point, with derivatives and its part of the normal matrix, half of it with
     # few modes.
-    body_cost: float = 1.9e-6
+    body_cost: float = 2.6e-6
+    # The products of a linear term with the rows of a convex body, a point.
+    body_term_cost: float = 7.0e-9
     # What of a step of a convex body does not depend on the points: its priors and the solution.
-    step_cost: float = 1.0e-4
+    step_cost: float = 3.3e-4
     # A step of the series of a rotation and an orbit, a point.
-    series_cost: float = 2.9e-6
+    series_cost: float = 4.4e-6
     # A term of the series of an orbit beside a body, a point.
-    orbit_cost: float = 3.0e-8
+    orbit_cost: float = 6.6e-8
     # A linear fit of functions that turn with a body, at one rate.
-    comb_cost: float = 1.3e-5
+    comb_cost: float = 1.8e-5
     # The part of that fit of each night.
-    cell_cost: float = 3.5e-8
+    cell_cost: float = 4.8e-8
     # A state of a known shape, a point and a facet.
     facet_cost: float = 1.5e-9
     # Of a body of known shape, from whole searches (`benchmarks/inversion_passes.py`, a budget):

@@ -153,7 +153,7 @@ def spin_states(
         Of a body that tumbles over several apparitions: both its frequencies may change at constant
         speed, as on average under a weak torque that is fixed in the body, or YORP.
     budget : float or text
-        Work, s of one idle core of 3 GHz, after which the best so far is returned.  Work is counted
+        Work, s of one core of 2 GHz, after which the best so far is returned.  Work is counted
         by steps and points, so that load and speed of the machine change no result.
     seed : int
         Of the random starts.  The same seed gives the same result.

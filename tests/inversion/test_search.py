@@ -66,7 +66,8 @@ def test_work_is_counted_by_steps_and_points():
     assert given.tally.spent == pytest.approx(30 * COUNT * given.settings.screen_cost)
     # problems that are made of one share its tally
     _refinement.model(given.with_model_error(0.1).part(np.arange(COUNT) < 100), _body())
-    more = given.settings.step_cost + 100 * given.settings.body_cost
+    settings = given.settings
+    more = settings.step_cost + 100 * (settings.body_cost + settings.body_term_cost)
     assert given.tally.spent == pytest.approx(30 * COUNT * given.settings.screen_cost + more)
     given.tally.budget = 0.5 * given.tally.spent
     assert given.tally.is_over
