@@ -485,8 +485,8 @@ class Search:
         pool = _ellipsoid.in_order(*parts)
         deep = [pool]
         settings = self.settings
-        near = pool.cost < settings.far_worse * pool.cost.min(initial=math.inf)
-        rates_of_best = _ellipsoid.rates_of(pool.rows(np.flatnonzero(near)), settings.classes)
+        of_low_cost = pool.rows(np.flatnonzero(self._have_low_cost(pool)))
+        rates_of_best = _ellipsoid.rates_of(of_low_cost, settings.classes)
         least = _ellipsoid.rates_of(pool, settings.deep_least)
         for rate in max(rates_of_best, least, key=len):
             if self.is_over:
@@ -494,6 +494,10 @@ class Search:
             count = settings.deep_starts * more
             deep.append(_ellipsoid.deep(problem, self.generator, rate, count, tie=self._held))
         return _ellipsoid.in_order(*deep)
+
+    def _have_low_cost(self, pool: Pool) -> BoolArray:
+        """Which ellipsoids (S,) of a pool do not cost far more than the best."""
+        return pool.cost < self.settings.far_worse * pool.cost.min(initial=math.inf)
 
     def _around(
         self, problem: CurveProblem, rates: list[_lattices.Candidate], count: int, iterations: int
@@ -685,11 +689,11 @@ class Search:
         """
         classes: list[list[FloatArray]] = []
         firsts = np.empty((0, _ellipsoid.WIDTH))
-        near = pool.cost < self.settings.far_worse * pool.cost.min(initial=math.inf)
-        count = self.settings.short_states
-        for state, is_near in zip(pool.states[:count], near[:count], strict=True):
+        have_low_cost = self._have_low_cost(pool)
+        for number, state in enumerate(pool.states[: self.settings.short_states]):
             at = np.flatnonzero(self._with_rates(firsts, state))
-            most = self.settings.short_classes if is_near else self.settings.far_classes
+            is_low = have_low_cost[number]
+            most = self.settings.short_classes if is_low else self.settings.far_classes
             if at.size:
                 classes[at[0]].append(state)
             elif len(classes) < most:
