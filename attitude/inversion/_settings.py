@@ -84,7 +84,7 @@ class Settings:
     # few modes.
     body_cost: float = 2.6e-6
     # The products of a linear term with the rows of a convex body, a point.
-    body_term_cost: float = 7.0e-9
+    body_term_cost: float = 4.0e-9
     # What of a step of a convex body does not depend on the points: its priors and the solution.
     step_cost: float = 3.3e-4
     # A step of the series of a rotation and an orbit, a point.
