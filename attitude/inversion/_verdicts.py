@@ -517,8 +517,8 @@ def of_dips(
     """The verdict and its criterion on a tumbling body, where additive series may explain it.
 
     Not solved, if the residuals of the body are above the errors, and those of a rotation with dips
-    in another period hardly larger, or less where the series brightens too; or if both periods of
-    the body are those of dips that leave hardly more.
+    in another period hardly larger, or less where the series brightens too; or at the floor, if
+    both periods of the body are those of such a pair as well.
     """
     settings = problem.settings
     if verdict[0] == OPEN or not pairs or is_axial(solutions[0].refined.state):
@@ -530,7 +530,7 @@ def of_dips(
         pair
         for pair in pairs
         if pair.left < (settings.orbit_alike**2 if pair.only_dims else 1.0) * left
-        and (not is_at_floor or (pair.only_dims and _has_frequencies(pair, rates, settings)))
+        and (not is_at_floor or _has_frequencies(pair, rates, settings))
     ]
     if not alike:
         return verdict
@@ -542,13 +542,16 @@ def of_dips(
 def _has_frequencies(pair: AdditivePair, rates: tuple[float, float], settings: Settings) -> bool:
     """Whether psi turns with the orbit of a pair, twice or half, and phi with its rotation.
 
-    Or phi with a multiple of psi: all lines of the body are then those of the orbit.
+    Or phi with a multiple of psi: all lines of the body are then those of the orbit.  Of a series
+    that brightens too only so: with both of its frequencies it fits what a concave body lacks.
     """
     phi, psi = rates
-    lines = pair.rotation * _LIKE, psi * _LIKE
+    lines = psi * _LIKE
+    if pair.only_dims:
+        lines = np.concatenate([lines, pair.rotation * _LIKE])
     return bool(
         np.abs(psi - pair.orbit * _LIKE).min() < settings.comb_width
-        and np.abs(phi - np.concatenate(lines)).min() < settings.comb_width
+        and np.abs(phi - lines).min() < settings.comb_width
     )
 
 

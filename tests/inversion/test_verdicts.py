@@ -424,6 +424,8 @@ def test_a_satellite_is_named_beside_what_is_known_of_the_rotation(rotation, ahe
         (-7.0, 0.05, 9.0, 0.9, 0.6, "not solved"),  # a series fits better than the body, which errs
         (-7.0, 0.05, 9.0, 1.1, 0.6, "solved"),  # it brightens as much as it dims
         (-7.0, 0.01, 7.5, 0.9, 0.6, "solved"),
+        (-20.0, 0.01, 20.5, 0.9, 0.6, "not solved"),  # which has all lines of the body
+        (-20.0, 0.01, 20.5, 1.1, 0.6, "solved"),
         (0.0, 0.05, 9.0, 1.0, 0.1, "solved"),  # a rotation
     ],
 )
@@ -440,15 +442,16 @@ def test_dips_of_a_moon_compete_with_tumbling(nutation, residual, orbit, left, b
 @pytest.mark.parametrize(
     ("rotation", "orbit", "rates", "expected"),
     [
-        (40.0, 7.0, (20.3, 14.2), True),  # half and twice of them
-        (114.2, 13.2, (52.8, 26.3), True),  # all lines are those of the orbit
-        (114.2, 13.2, (48.8, 26.3), False),
-        (114.2, 17.0, (52.8, 26.3), False),
+        (40.0, 7.0, (20.3, 14.2), (True, False)),  # half and twice of them
+        (114.2, 13.2, (52.8, 26.3), (True, True)),  # all lines are those of the orbit
+        (114.2, 13.2, (48.8, 26.3), (False, False)),
+        (114.2, 17.0, (52.8, 26.3), (False, False)),
     ],
 )
 def test_a_tumbling_state_may_have_the_frequencies_of_a_moon(rotation, orbit, rates, expected):
-    pair = _satellites.AdditivePair(rotation, orbit, 0.1)
-    assert _verdicts._has_frequencies(pair, rates, DEFAULT) == expected
+    for brightens, has in zip((0.1, 0.6), expected, strict=True):
+        pair = _satellites.AdditivePair(rotation, orbit, 0.1, brightens=brightens)
+        assert _verdicts._has_frequencies(pair, rates, DEFAULT) == has
 
 
 @pytest.mark.parametrize("probability", [0.1, 1e-3, 1e-12])
