@@ -54,10 +54,10 @@ _STEPS = 12
 _HELD = (25, 1e-3)
 # Those of free poles.
 _FREE = (40, 3e-4)
-# Steps of tumbling bodies of few modes at held poles.
-_FEW_STEPS = 4
-# The gain of tumbling bodies at held poles.
-_BODIES = 1e-3
+# Steps of tumbling bodies at held poles, with few modes and then with all.
+_BODY_STEPS = 4, 6
+# The gain at which these end.
+_BODY_GAIN = 1e-3
 # What stays where the pole is held.
 _POLE_HELD = np.arange(_refinement.SIZE) < 2
 # Angle, rad, up to which other minima are errors of a pole.
@@ -198,7 +198,7 @@ def of_rates(
     count, starts = settings.map_poles, settings.map_starts
     at_poles = _at_poles(problem, generator, state, held, count, starts, has_x=True)
     free = _ellipsoid.minimised(problem, at_poles.states[: count // 2], 2 * _STEPS, tie=held)
-    stages = (count, _FEW_STEPS), (settings.map_refined, _STEPS // 2)
+    stages = tuple(zip((count, settings.map_refined), _BODY_STEPS, strict=True))
     bodies = _in_stages(problem, at_poles.states, tie, stages, _shapes.MODES, is_over)
     both = in_turn((body.state for body in bodies), _ellipsoid.in_order(free).states)
     return [candidate for candidate in both if _has_rates(problem, candidate, state)]
@@ -344,7 +344,7 @@ def _in_stages(
     for number, (most, iterations) in enumerate(stages, 1):
         of_shape = modes if number == len(stages) else problem.settings.short_modes
         evaluations = _refined(
-            problem, states[:most], tie, _POLE_HELD, (iterations, _BODIES), is_over, of_shape
+            problem, states[:most], tie, _POLE_HELD, (iterations, _BODY_GAIN), is_over, of_shape
         )
         of_stage = sorted((one.fitted for one in evaluations), key=lambda body: body.cost)
         # a budget that ended before a stage leaves the bodies of the last one
