@@ -272,7 +272,11 @@ class Search:
 
     def _compare_with_satellite(self) -> None:
         """Search for a rotation about one axis beside the series of an orbit, if series fit."""
-        if self.is_over or self.problem.orbit or not self.solutions:
+        if self.problem.orbit or not self.solutions:
+            return
+        if self.is_over:
+            # moons imitate tumbling: it is not claimed without this comparison
+            self.is_complete &= is_axial(self.solutions[0].refined.state)
             return
         least = (1.0 - self.settings.moon_share) * self.problem.tally.left
         rivals = self._beside_bodies(least)

@@ -490,6 +490,15 @@ def test_a_search_without_all_maps_of_its_first_round_is_incomplete(monkeypatch,
     assert search.is_complete is are_all and len(rounds) == 1 + are_all
 
 
+@pytest.mark.parametrize(("nutation", "is_claimed"), [(-9.0, False), (0.0, True)])
+def test_tumbling_is_not_claimed_where_the_budget_ends_before_moons(nutation, is_claimed):
+    """Of `moons` 491800 a budget of 30 s did, and the moon was called tumbling."""
+    given = replace(_given(np.zeros(COUNT)), tally=_settings.Tally(1.0, spent=2.0))
+    search = _search_of(given, solutions=[_weighted(nutation, 0.0, 1.0)], is_complete=True)
+    search._compare_with_satellite()
+    assert search.rival is None and search.is_complete is is_claimed
+
+
 @pytest.mark.parametrize(("ahead", "maps"), [(10.0, 0), (70.0, 0), (90.0, 1), (200.0, 1)])
 def test_poles_beside_a_moon_are_mapped_where_it_may_decide(monkeypatch, ahead, maps):
     search = _search_of(_given(np.zeros(COUNT)), solutions=[_weighted(-9.0, 0.0, 1.0)])
