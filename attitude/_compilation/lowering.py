@@ -11,6 +11,8 @@ from numba import carray, types
 from numba.core import cgutils
 from numba.core.caching import NullCache
 from numba.core.ccallback import CFunc
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler
 from numba.extending import overload
 
 from attitude._compilation import error_free, instructions, pointers, simd_lowering
@@ -35,8 +37,42 @@ _C_FUNCTION = types.void(_F8, *[_POINTER] * 5)  # pointers.C_FUNCTION
 
 def dispatcher(function: Callable[..., Any], options: Mapping[str, Any], kept: bool) -> Any:
     """numba's dispatcher of a function; with `kept` its machine code is kept on disk."""
-    compiled = kept_on_disk(function, options) if kept else numba.njit(**options)(function)
-    return _without_literals(compiled)
+    if kept:
+        return _without_literals(kept_on_disk(function, options))
+    if options.get("no_cpython_wrapper"):
+        return _without_literals(numba.njit(pipeline_class=_InnerCompiler, **options)(function))
+    return _without_literals(numba.njit(**options)(function))
+
+
+class _InnerLibrary(JITCodeLibrary):
+    """The code of a function that only compiled code calls: no machine code is made of it.
+
+    Callers link its intermediate code and have their own machine code of it; numba would make that
+    of the function alone too, a tenth of all compiling.  The methods are private names of numba.
+    """
+
+    def _finalize_final_module(self) -> None:
+        self._finalize_dynamic_globals()
+        self._finalized = True
+
+    def get_pointer_to_function(self, name: str) -> int:
+        return 0
+
+    @property
+    def codegen(self) -> Any:
+        return self
+
+    def set_env(self, name: str, environment: Any) -> None:
+        """Nothing: where no machine code is, no variable holds the environment."""
+
+
+class _InnerCompiler(Compiler):
+    """numba's compiler, which makes an `_InnerLibrary`."""
+
+    def define_pipelines(self) -> Any:
+        name = self.state.func_id.func_qualname
+        self.state.library = _InnerLibrary(self.state.targetctx.codegen(), name)
+        return super().define_pipelines()
 
 
 def _without_literals(compiled: Any) -> Any:

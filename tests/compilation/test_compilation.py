@@ -11,10 +11,11 @@ from pathlib import Path
 import numba
 import pytest
 from numba.core import caching, event
+from numba.core.codegen import JITCodeLibrary
 
 import attitude
 from attitude._compilation import deferral, disk_cache
-from attitude._compilation.decorators import reduction
+from attitude._compilation.decorators import entry_point, reduction, subroutine
 from attitude._compilation.disk_cache import kept_on_disk, stamp_of
 from attitude._compilation.instructions import fence
 from attitude.scattering import _hapke
@@ -232,6 +233,38 @@ def test_users_who_cannot_write_read_what_is_installed(tmp_path, monkeypatch):
     assert Path(again._cache.cache_path) != tmp_path / "__pycache__"
     assert again(1.5) == 4.5 and again.stats.cache_hits and not again.stats.cache_misses
     assert again(2) == 6.0 and again.stats.cache_misses
+
+
+@subroutine
+def halved(x):
+    return 0.5 * x
+
+
+@subroutine
+def quartered(x):
+    return halved(halved(x))
+
+
+@entry_point
+def eighth(x):
+    return halved(quartered(x))
+
+
+def test_machine_code_is_made_of_entry_points_alone(folder, monkeypatch):
+    """Callers have that of the functions within; a tenth of all compiling would be for nothing."""
+    counted = []
+    finalize = JITCodeLibrary._finalize_specific
+
+    def counting(self):
+        counted.append(self.name)
+        finalize(self)
+
+    monkeypatch.setattr(JITCodeLibrary, "_finalize_specific", counting)
+    assert eighth.compiled(8.0) == 1.0 and eighth.compiled(4) == 0.5
+    names = {name.rpartition(".")[2] for name in counted}
+    assert "eighth" in names and names.isdisjoint({"halved", "quartered"})
+    # each was compiled for a double and, within the second call, for an integer
+    assert [len(one.dispatcher.overloads) for one in (halved, quartered, eighth)] == [2, 2, 2]
 
 
 @reduction
