@@ -282,6 +282,8 @@ def _nearest(others: Sequence[Robust], best: Robust, problem: CurveProblem) -> t
     period needs as much where its curve has one maximum: any simple shape fits half of two alike.
     What the tie of moments and shape takes from a tumbling state that another one keeps is none: a
     concave body strains it, and true periods of one lay 39.6 behind, most of it by their strain.
+    Nor is what a rotation about the long axis, which bodies leave, gains by its shape over one about
+    the short axis: with a nutation of 1.3 degrees such a one was 25.5 ahead of a true rotation.
     """
     settings, least = problem.settings, needed(best, problem)
     margins = []
@@ -291,12 +293,20 @@ def _nearest(others: Sequence[Robust], best: Robust, problem: CurveProblem) -> t
             wide = settings.alone
         more = 0.0
         if not is_axial(best.refined.state):
-            more = settings.against_axis if is_axial(other.refined.state) else 0.0
+            if is_axial(other.refined.state):
+                more = settings.against_axis
+                wide = settings.alone if _spins_about_long_axis(best, settings) else wide
             more += max(0.0, other.refined.strain - best.refined.strain)
         behind = max(least + more, min(wide, settings.alone))
         gap = other.evidence - best.evidence
         margins.append((gap - behind, gap, behind))
     return min(margins)[1:] if margins else (math.inf, least)
+
+
+def _spins_about_long_axis(one: Robust, settings: Settings) -> bool:
+    """Whether a tumbling state is a rotation about the long axis with a nutation that is small."""
+    state = SearchState.of(one.refined.state)
+    return state.nutation > 0.0 and state.log_rho < math.log(settings.wide)
 
 
 def _is_half_of(best: Robust, other: Robust, problem: CurveProblem) -> bool:

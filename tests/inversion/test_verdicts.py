@@ -127,6 +127,22 @@ def test_tumbling_is_claimed_against_one_axis_by_odds_of_a_catalogue(behind, exp
     assert _verdicts.verdict(found, _problem(0.02))[0] == expected
 
 
+@pytest.mark.parametrize(
+    ("nutation", "rho", "behind", "expected"),
+    [
+        (7.0, 0.011, 25.5, _verdicts.OPEN),  # `rotators` 492902: true rotation, about the short axis
+        (7.0, 0.011, 125.0, _verdicts.SOLVED),
+        (7.0, 0.1, 25.5, _verdicts.SOLVED),  # a nutation that is no wobble
+        (-7.0, 0.011, 25.5, _verdicts.SOLVED),
+    ],
+)
+def test_a_spin_about_the_long_axis_has_to_be_far_ahead(nutation, rho, behind, expected):
+    """It gains by its shape over a rotation about the short axis, not by its nutation."""
+    found = [_solution(nutation, 0.0, 0.01), _solution(0.0, behind, 0.01)]
+    found[0].refined.state[3] = math.log(rho)
+    assert _verdicts.verdict(found, _problem(0.02))[0] == expected
+
+
 def test_small_tilts_of_a_nutation_are_less_probable():
     """The density is uniform from 0 to 90 degrees: 2/pi of each rad."""
     state = _solution(-7.0, 0.0, 0.01).refined.state
