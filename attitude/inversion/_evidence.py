@@ -414,8 +414,13 @@ def redundancy(solution: Robust, problem: CurveProblem) -> float:
     return (1.0 + common) / (1.0 - common) if common > problem.settings.correlated else 1.0
 
 
-def gain(solution: Weighted[object], other: Weighted[object], problem: CurveProblem) -> float:
-    """The difference of -2 ln(likelihood) by which a solution fits better than another one.
+def gain(
+    solution: Weighted[object],
+    other: Weighted[object],
+    problem: CurveProblem,
+    points: BoolArray | slice = slice(None),
+) -> float:
+    """The difference of -2 ln(likelihood) by which a solution fits some points better than another.
 
     By Student's distribution about sigma and 0.01 mag, or about the larger errors that the solution
     itself leaves; without priors and the number of parameters.
@@ -423,7 +428,7 @@ def gain(solution: Weighted[object], other: Weighted[object], problem: CurveProb
     size = max(1.0, floor_ratio(solution, problem)) * (
         problem.sigma**2 + problem.settings.floor_error**2
     )
-    return (FREEDOM + 1.0) * float(np.sum(_less_likely(solution, other, size)))
+    return (FREEDOM + 1.0) * float(np.sum(_less_likely(solution, other, size)[points]))
 
 
 def _less_likely(

@@ -11,7 +11,7 @@ from attitude._support.arrays import parted
 from attitude._support.constants import DAY_S, GAP_OF_NIGHTS_S
 
 if TYPE_CHECKING:
-    from attitude._support.annotations import FloatArray, IntArray
+    from attitude._support.annotations import BoolArray, FloatArray, IntArray
     from attitude.inversion._problem import CurveProblem
 
 
@@ -55,6 +55,11 @@ def off_neighbours(
     off[order[1:-1]] = np.where(close, values[1:-1] - line, np.nan)
     error[order[1:-1]] = np.where(close, np.sqrt(spread), np.nan)
     return off, error
+
+
+def are_close(problem: CurveProblem, turns: float) -> BoolArray:
+    """Which points (N,) lie between close neighbours; `turns` per span."""
+    return np.isfinite(off_neighbours(problem, problem.y, turns)[0])
 
 
 def without_outliers(problem: CurveProblem, turns: float) -> tuple[CurveProblem, int]:
@@ -109,7 +114,7 @@ def scatter(problem: CurveProblem, residual: FloatArray, turns: float) -> FloatA
     """
     factors, is_sparse = np.ones(len(problem)), np.zeros(len(problem), bool)
     settings = problem.settings
-    is_between = np.isfinite(off_neighbours(problem, residual, turns)[0])
+    is_between = are_close(problem, turns)
     squares = residual**2 / (problem.sigma**2 + settings.floor_error**2)
     for number in np.unique(problem.series):
         session = problem.series == number

@@ -252,8 +252,17 @@ class Search:
         return self.satellite_is_ahead() > self.rival.needed_ahead + gained
 
     def satellite_is_ahead(self) -> float:
-        """By how much the evidence of the rival with a moon is better than that of the best."""
-        return -math.inf if self.rival is None else self.evidence() - self.rival.evidence()
+        """By how much the evidence of the rival with a moon is better than that of the best.
+
+        Without what points far from others gain, as those of a survey: noise makes dips of them.
+        """
+        if self.rival is None:
+            return -math.inf
+        # dips last a tenth of an orbit
+        is_far = ~_neighbours.are_close(self.problem, 2.0 * self.rival.problem.orbit)
+        best, body = self.rival.solutions[0], self.solutions[0]
+        gained = max(0.0, _evidence.gain(best, body, self.problem, is_far))
+        return self.evidence() - self.rival.evidence() - gained
 
     @property
     def is_at_floor(self) -> bool:
@@ -919,6 +928,7 @@ class Search:
         solutions += [self._compared(problem, fit) for fit in self._wide]
         solutions = _verdicts.behind_twice_the_period(solutions, problem)
         solutions = _verdicts.as_rotators(solutions, problem)
+        solutions = _verdicts.behind_correlated(solutions, problem)
         self.solutions = distinct(
             _evidence.ranked(solutions), lambda a, b: self.is_same(a.refined.state, b.refined.state)
         )

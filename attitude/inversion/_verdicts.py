@@ -181,6 +181,39 @@ def _is_comb(state: SearchState, rotator: SearchState, problem: CurveProblem) ->
     return apart < problem.settings.same_rate and off < problem.settings.comb_width
 
 
+# ---- Rotations about one axis that leave correlated residuals
+
+
+def behind_correlated(solutions: list[Robust], problem: CurveProblem) -> list[Robust]:
+    """The solutions, where tumbling states lose what correlated residuals of a rotation give them.
+
+    If the rotation is ahead without that; else none changes, for what of it is a nutation is open.
+    """
+    axial = [one for one in solutions if is_axial(one.refined.state)]
+    if not axial:
+        return solutions
+    rotator = _evidence.ranked(axial)[0]
+    counted = [
+        one
+        if is_axial(one.refined.state)
+        else _evidence.with_term(one, correlated_gain(one, rotator, problem))
+        for one in solutions
+    ]
+    return counted if is_axial(_evidence.ranked(counted)[0].refined.state) else solutions
+
+
+def correlated_gain(one: Robust, rotator: Robust, problem: CurveProblem) -> float:
+    """By how much a tumbling state fits better than a rotation, since residuals are correlated.
+
+    Where so many points count as one, chance explains so many times as much.  The rotation leaves
+    no more than the errors: above them a nutation correlates residuals.
+    """
+    if _evidence.floor_ratio(rotator, problem) >= problem.settings.floor:
+        return 0.0
+    share = 1.0 - 1.0 / _evidence.redundancy(rotator, problem)
+    return share * max(0.0, _evidence.gain(one, rotator, problem))
+
+
 # ---- Rotations with one maximum a turn
 
 
@@ -294,7 +327,7 @@ def _nearest(others: Sequence[Robust], best: Robust, problem: CurveProblem) -> t
         more = 0.0
         if not is_axial(best.refined.state):
             if is_axial(other.refined.state):
-                more = settings.against_axis
+                more = settings.against_axis + correlated_gain(best, other, problem)
                 wide = settings.alone if _spins_about_long_axis(best, settings) else wide
             more += max(0.0, other.refined.strain - best.refined.strain)
         behind = max(least + more, min(wide, settings.alone))
@@ -599,7 +632,7 @@ def _better_by_nutation(
     settings, best = problem.settings, solutions[0]
     counted = _NUTATION * math.log(len(problem)) + 2.0 * math.log(most / settings.odds)
     gains = [
-        _evidence.gain(other, best, problem)
+        _evidence.gain(other, best, problem) - correlated_gain(other, best, problem)
         for other in solutions[1:]
         if not is_axial(other.refined.state)
         and SearchState.of(other.refined.state).log_rho > math.log(settings.wide)
@@ -626,7 +659,7 @@ def _nutation_unnoticed(poles: Sequence[Robust], problem: CurveProblem, most: fl
     """
     settings = problem.settings
     gain, least = min(map(_evidence.gain_of_nutation, poles)), _of_chance(most, settings)
-    least *= settings.noticed_by
+    least *= settings.noticed_by * _evidence.redundancy(poles[0], problem)
     if gain > least:
         return ""
     tilt = math.degrees(2.0 * math.atan(settings.noticed))
