@@ -58,8 +58,15 @@ def off_neighbours(
 
 
 def are_close(problem: CurveProblem, turns: float) -> BoolArray:
-    """Which points (N,) lie between close neighbours; `turns` per span."""
-    return np.isfinite(off_neighbours(problem, problem.y, turns)[0])
+    """Which points (N,) are among three close neighbours; `turns` per span."""
+    order = np.lexsort((problem.t, problem.series))
+    is_between = np.isfinite(off_neighbours(problem, problem.y, turns)[0])[order]
+    close = is_between.copy()
+    close[:-1] |= is_between[1:]
+    close[1:] |= is_between[:-1]
+    out = np.empty_like(close)
+    out[order] = close
+    return out
 
 
 def without_outliers(problem: CurveProblem, turns: float) -> tuple[CurveProblem, int]:
@@ -114,7 +121,7 @@ def scatter(problem: CurveProblem, residual: FloatArray, turns: float) -> FloatA
     """
     factors, is_sparse = np.ones(len(problem)), np.zeros(len(problem), bool)
     settings = problem.settings
-    is_between = are_close(problem, turns)
+    is_between = np.isfinite(off_neighbours(problem, residual, turns)[0])
     squares = residual**2 / (problem.sigma**2 + settings.floor_error**2)
     for number in np.unique(problem.series):
         session = problem.series == number

@@ -258,8 +258,7 @@ class Search:
         """
         if self.rival is None:
             return -math.inf
-        # dips last a tenth of an orbit
-        is_far = ~_neighbours.are_close(self.problem, 2.0 * self.rival.problem.orbit)
+        is_far = ~_neighbours.are_close(self.problem, self.rival.problem.orbit)
         best, body = self.rival.solutions[0], self.solutions[0]
         gained = max(0.0, _evidence.gain(best, body, self.problem, is_far))
         return self.evidence() - self.rival.evidence() - gained
