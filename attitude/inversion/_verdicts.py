@@ -632,7 +632,7 @@ def _better_by_nutation(
     settings, best = problem.settings, solutions[0]
     counted = _NUTATION * math.log(len(problem)) + 2.0 * math.log(most / settings.odds)
     gains = [
-        _evidence.gain(other, best, problem) - correlated_gain(other, best, problem)
+        _evidence.gain(other, best, problem)
         for other in solutions[1:]
         if not is_axial(other.refined.state)
         and SearchState.of(other.refined.state).log_rho > math.log(settings.wide)
@@ -659,7 +659,7 @@ def _nutation_unnoticed(poles: Sequence[Robust], problem: CurveProblem, most: fl
     """
     settings = problem.settings
     gain, least = min(map(_evidence.gain_of_nutation, poles)), _of_chance(most, settings)
-    least *= settings.noticed_by * _evidence.redundancy(poles[0], problem)
+    least *= settings.noticed_by
     if gain > least:
         return ""
     tilt = math.degrees(2.0 * math.atan(settings.noticed))
