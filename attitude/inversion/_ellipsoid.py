@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from attitude._compilation.decorators import reduction, reduction_within
+from attitude._compilation.decorators import reduction, reduction_subroutine, reduction_within
 from attitude._compilation.elementary import binary_logarithm
 from attitude._compilation.simd import at_least, at_most, chosen, eight, put_eight, root, summed_up
 from attitude._support import least_squares
@@ -21,7 +21,7 @@ from attitude.inversion import _motions
 from attitude.inversion._lattices import Candidate
 from attitude.inversion._motions import (
     LANES,
-    attitudes,
+    fill_attitudes,
     matrix_rows,
     moments,
     put_three,
@@ -147,12 +147,12 @@ def _dimming(u, y):
     return chosen(by, closed, g), chosen(by, slope, d)
 
 
-@reduction
+@reduction_subroutine
 def residuals(state, t, sun, observer, y, weight, r, g, rows):
     """Residuals y - magnitude of a state (16,), times weight, and derivatives of the magnitude.
 
     Into rows (12 N,): residuals, then the Jacobian, times weight; or residuals alone, if g is
-    empty.  r and g are as in `_motions.attitudes`; sun and observer (3 N,) are unit vectors by
+    empty.  r and g are as in `_motions.fill_attitudes`; sun and observer (3 N,) are unit vectors by
     components, t, y, weight (N,); N is a multiple of eight.
     """
     n = t.size
@@ -248,7 +248,7 @@ def _products(states, t, sun, observer, y, weight, r, g, rows, spans, of_rows, o
     """
     n, count, columns = t.size, out.shape[1], of_rows.shape[1]
     for number in range(states.shape[0]):
-        attitudes(states[number], t, r, g)
+        fill_attitudes(states[number], t, r, g)
         residuals(states[number], t, sun, observer, y, weight, r, g, rows)
         for row in range(0, count, 2):
             for column in range(0, columns, 4):

@@ -12,7 +12,13 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 
-from attitude._compilation.decorators import entry_point, reduction, reduction_within, subroutine
+from attitude._compilation.decorators import (
+    entry_point,
+    reduction,
+    reduction_subroutine,
+    reduction_within,
+    subroutine,
+)
 from attitude._compilation.elementary import cosine_and_sine
 from attitude._compilation.simd import eight, put_eight, root
 
@@ -126,8 +132,8 @@ def three(array, at, n):
     return eight(array, at), eight(array, at + n), eight(array, at + 2 * n)
 
 
-@reduction
-def attitudes(state, t, r, g):
+@reduction_subroutine
+def fill_attitudes(state, t, r, g):
     """Matrices as in `SeriesAttitudes`, into r (9 N,), and tangents, into g (9 N,) or ().
 
     state (5 or more,): precession, nutation, phase, ln rho, X; t (N,), where `LANES` divides N.
@@ -187,6 +193,16 @@ def attitudes(state, t, r, g):
         qy = 0.0 - (u0 * c1 + u1 * c3 + u2 * c5 + u3 * c7)
         turned = _turning(ax, ay, bx, by, px, py, qx, qy, cy, sy, over)
         put_three(g, i + 6 * n, n, *turned)
+
+
+@reduction
+def attitudes(state, t, r, g):
+    """As `fill_attitudes`, for calls from Python.
+
+    In loops it is not called: which machine code of it these ran, with other last digits, would
+    depend on whether they were compiled in this process.
+    """
+    fill_attitudes(state, t, r, g)
 
 
 # ---- Ratios of the moments of inertia of a body from the elements of its motion, in closed form

@@ -315,8 +315,8 @@ def _nearest(others: Sequence[Robust], best: Robust, problem: CurveProblem) -> t
     period needs as much where its curve has one maximum: any simple shape fits half of two alike.
     What the tie of moments and shape takes from a tumbling state that another one keeps is none: a
     concave body strains it, and true periods of one lay 39.6 behind, most of it by their strain.
-    Nor is what a rotation about the long axis, which bodies leave, gains by its shape over one about
-    the short axis: with a nutation of 1.3 degrees such a one was 25.5 ahead of a true rotation.
+    Nor is what a rotation about the long axis, which bodies leave, gains by its shape over one
+    about the short axis: with a nutation of 1.3 degrees such a one was 25.5 ahead of a true one.
     """
     settings, least = problem.settings, needed(best, problem)
     margins = []

@@ -2,6 +2,7 @@
 
 import itertools
 import math
+import sys
 import time
 from dataclasses import replace
 from types import SimpleNamespace
@@ -12,6 +13,7 @@ from astropy import units
 from astropy.time import Time
 
 from attitude import Body, FreeRotation, Spin, inversion, photometry
+from attitude._compilation.decorators import Compilable, EntryPoint
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError, AttitudeWarning
 from attitude.frames import matrix_to_icrf, quaternion, representations
@@ -695,3 +697,22 @@ def test_many_points_are_averaged_and_filters_have_zero_points():
     offset = given.coefficients(np.zeros(len(given)))[4:6]
     assert offset[1] - offset[0] == pytest.approx(0.4, abs=0.02)
     assert np.sum(1.0 / given.sigma**2) == pytest.approx(20_000 / 0.02**2)
+
+
+def test_no_loop_calls_an_entry_point():
+    """Which machine code of it a loop ran depended on what this process had compiled: the first
+    search on a machine had other last digits than the next ones, and then other minima.
+    """
+    modules = [sys.modules[name] for name in sys.modules if name.startswith("attitude.inversion.")]
+    compiled = {
+        value
+        for module in modules
+        for value in vars(module).values()
+        if isinstance(value, Compilable)
+    }
+    entry_points = [one for one in compiled if isinstance(one, EntryPoint)]
+    assert _ellipsoid._products in entry_points and len(entry_points) > 10
+    for one in compiled:
+        names = one.py_func.__code__.co_names
+        called = [one.py_func.__globals__.get(name) for name in names]
+        assert not any(isinstance(value, EntryPoint) for value in called), one
