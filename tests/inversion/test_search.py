@@ -1044,7 +1044,7 @@ def test_tumbling_loses_what_correlated_residuals_give(size, share, is_rotation)
 
 @pytest.mark.parametrize(("is_far", "expected"), [(True, 0.0), (False, 200.0)])
 def test_points_far_from_others_say_nothing_of_a_moon(is_far, expected):
-    """Of Hertha in 1988, 79 points of surveys, noisier than assumed, had the dips of one."""
+    """79 points of surveys of (135) Hertha, noisier than assumed, had the dips of one."""
     t = np.concatenate([np.linspace(-0.5, -0.45, 300), np.linspace(0.01, 0.99, 100)])
     assert len(t) == COUNT
     residual = np.where((t > 0.0) == is_far, 0.06, 0.0)

@@ -130,12 +130,7 @@ def test_tumbling_is_claimed_against_one_axis_by_odds_of_a_catalogue(behind, exp
 @pytest.mark.parametrize(
     ("nutation", "rho", "behind", "expected"),
     [
-        (
-            7.0,
-            0.011,
-            25.5,
-            _verdicts.OPEN,
-        ),  # `rotators` 492902: true rotation, about the short axis
+        (7.0, 0.011, 25.5, _verdicts.OPEN),  # `rotators` 492902, which turns about the short axis
         (7.0, 0.011, 125.0, _verdicts.SOLVED),
         (7.0, 0.1, 25.5, _verdicts.SOLVED),  # a nutation that is no wobble
         (-7.0, 0.011, 25.5, _verdicts.SOLVED),
