@@ -203,6 +203,7 @@ def test_one_axis_is_claimed_where_a_nutation_would_be_noticed():
     found[0].refined.state[14:16] = 0.1, 0.05
     verdict, words = _verdicts.verdict(found, _problem(0.02), True, 70.0)
     assert verdict == _verdicts.OPEN and "a nutation of 18 degrees would improve" in words
+    assert "with modes PA" in words
     given = _verdicts.verdict(found, _problem(0.02), True, 70.0, is_given_axis=True)
     assert given[0] == _verdicts.SOLVED
     # a pole that competes is enough: which of them is true is not known
