@@ -665,7 +665,7 @@ def _nutation_unnoticed(poles: Sequence[Robust], problem: CurveProblem, most: fl
     tilt = math.degrees(2.0 * math.atan(settings.noticed))
     return (
         f"a nutation of {tilt:.0f} degrees would improve the fit by {gain:.1f} in chi-squared "
-        f"({least:.1f} needed to tell it from chance; with modes PA rotation about one axis is given)"
+        f"({least:.1f} needed to tell it from chance; with modes PA one axis is given)"
     )
 
 
