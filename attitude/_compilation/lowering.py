@@ -39,16 +39,16 @@ def dispatcher(function: Callable[..., Any], options: Mapping[str, Any], kept: b
     """numba's dispatcher of a function; with `kept` its machine code is kept on disk."""
     if kept:
         return _without_literals(kept_on_disk(function, options))
-    if options.get("no_cpython_wrapper"):
-        return _without_literals(numba.njit(pipeline_class=_InnerCompiler, **options)(function))
-    return _without_literals(numba.njit(**options)(function))
+    is_inner = options.get("no_cpython_wrapper")
+    compiler = {"pipeline_class": _InnerCompiler} if is_inner else {}
+    return _without_literals(numba.njit(**options, **compiler)(function))
 
 
 class _InnerLibrary(JITCodeLibrary):
     """The code of a function that only compiled code calls: no machine code is made of it.
 
     Callers link its intermediate code and have their own machine code of it; numba would make that
-    of the function alone too, a tenth of all compiling.  The methods are private names of numba.
+    of the function alone too, for nothing.  The methods are private names of numba.
     """
 
     def _finalize_final_module(self) -> None:
@@ -71,7 +71,7 @@ class _InnerCompiler(Compiler):
 
     def define_pipelines(self) -> Any:
         name = self.state.func_id.func_qualname
-        self.state.library = _InnerLibrary(self.state.targetctx.codegen(), name)
+        self.state["library"] = _InnerLibrary(self.state.targetctx.codegen(), name)
         return super().define_pipelines()
 
 

@@ -251,7 +251,7 @@ def eighth(x):
 
 
 def test_machine_code_is_made_of_entry_points_alone(folder, monkeypatch):
-    """Callers have that of the functions within; a tenth of all compiling would be for nothing."""
+    """Callers have that of the functions within."""
     counted = []
     finalize = JITCodeLibrary._finalize_specific
 

@@ -1040,6 +1040,10 @@ def test_tumbling_loses_what_correlated_residuals_give(size, share, is_rotation)
     best = _evidence.ranked(solutions)[0].refined.state
     assert _ellipsoid.is_axial(best) == is_rotation
     assert (solutions[0] is tumbling) == (not is_rotation)
+    # nor is that part of the margin of a claim
+    least = _verdicts.needed(tumbling, given) + DEFAULT.against_axis
+    _, behind = _verdicts._nearest([rotation], tumbling, given)
+    assert behind == pytest.approx(least + (lost if size < 0.02 else 0.0))
 
 
 @pytest.mark.parametrize(("is_far", "expected"), [(True, 0.0), (False, 200.0)])
