@@ -6,6 +6,7 @@
     python benchmarks/inversion_apparitions.py damit FILE P LONGITUDE LATITUDE [FOLDER]
     python benchmarks/inversion_apparitions.py to-percent FILE P LONGITUDE LATITUDE
     python benchmarks/inversion_apparitions.py each FILE P LONGITUDE LATITUDE
+    python benchmarks/inversion_apparitions.py blind FILE P LONGITUDE LATITUDE
     python benchmarks/inversion_apparitions.py two 6 SEED            tumblers, 2012-13 and 2020-21
     python benchmarks/inversion_apparitions.py drift 6 SEED          the same under a torque
 
@@ -15,7 +16,8 @@ half of it or twice is searched, so that each claim is wrong.  `damit`: a file o
 curves in DAMIT's format, blind from 2 to 24 h and between P -+ 0.01 %, against the published period
 (h) and pole (ecliptic, deg); with FOLDER, in which `convexinv` is built, the same curves by that
 program from the published values.  `to-percent`: that file with its period to 1 %.  `each`: every
-apparition of the file alone.  `two`: tumbling bodies of `synthetic_curves` on the orbit of (99942)
+apparition of the file alone, as a rotation about one axis; `blind`: tumbling is searched for too,
+in the settings of a user who knows nothing.  `two`: tumbling bodies of `synthetic_curves` on the orbit of (99942)
 Apophis, seen on 40 nights from 23 December 2012 to 15 April 2013 and on 60 from 15 November 2020 to
 10 May 2021, three points an hour, errors of 0.03 mag; `drift`: under a torque fixed in the body
 that changes its rates by 2 to 6 turns per span^2.
@@ -169,15 +171,16 @@ def _convexinv(file: str, period: float, longitude: float, latitude: float, fold
     )
 
 
-def each(file: str, period: float, longitude: float, latitude: float) -> None:
-    """Every apparition of a file alone, blind from 2 to 24 h."""
+def each(file: str, period: float, longitude: float, latitude: float, **given) -> None:
+    """Every apparition of a file alone, up to 12 turns a day or as many as the span allows."""
     curve = inversion.LightCurve.read(file)
     problem, _ = _problem.problem(curve, 12.0 / 86400.0, 0.07, curve.zero_points)
     for on in _neighbours.apparitions_of(problem.seconds):
         if len(on) < 40:
             continue
         part = curve[on]
-        solved(part, period, _unit(longitude, latitude), max_frequency="12 /d", modes=("PA",))
+        most = f"{min(12.0, 0.96 * inversion.Settings().most_turns * 86400.0 / part.span)} /d"
+        solved(part, period, _unit(longitude, latitude), max_frequency=most, **given)
 
 
 # ---- Tumbling bodies
@@ -258,8 +261,10 @@ def main(arguments: list[str]) -> None:
         solved(curve, period, _unit(*map(float, given[2:4])), period=f"{period} h")
     elif what == "damit":
         damit(given[0], *map(float, given[1:4]), *given[4:5])
+    elif what == "blind":
+        each(given[0], *map(float, given[1:4]), budget=60.0)
     else:
-        each(given[0], *map(float, given[1:4]))
+        each(given[0], *map(float, given[1:4]), modes=("PA",))
 
 
 if __name__ == "__main__":

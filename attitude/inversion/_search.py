@@ -196,7 +196,8 @@ class Search:
                 break
             are_all = self._poles_of_classes(number)
             if number == 0:
-                self.is_complete = are_all
+                # these maps look for tumbling states that ellipsoids misjudge
+                self.is_complete = are_all or self._rotates_within_errors
             if not are_all or self.is_over or self.is_decided:
                 break
             self.problem = self._clipped()
@@ -221,7 +222,7 @@ class Search:
         """Whether the verdict is met."""
         if self.rival is not None:
             return self.satellite_is_ahead() > self.rival.needed_ahead
-        return self.verdict_of(self.solutions)[0] != _verdicts.OPEN
+        return self.verdict_of(self.solutions, is_strict=True)[0] != _verdicts.OPEN
 
     @property
     def _is_doubtful(self) -> bool:
@@ -230,7 +231,9 @@ class Search:
             return False
         return _verdicts.is_doubtful(self.solutions[0], self.problem)
 
-    def verdict_of(self, solutions: Sequence[Robust]) -> tuple[str, str]:
+    def verdict_of(
+        self, solutions: Sequence[Robust], *, is_strict: bool = False
+    ) -> tuple[str, str]:
         """The verdict of solutions of this search, and its criterion in words."""
         verdict = _verdicts.verdict(
             solutions,
@@ -240,6 +243,7 @@ class Search:
             is_given_axis=self.modes == ("PA",),
             is_hidden=not self.tie.is_wide,
             is_interrupted=self.is_interrupted,
+            is_strict=is_strict,
         )
         return _verdicts.of_dips(verdict, solutions, self.problem, self.dips)
 
@@ -267,6 +271,13 @@ class Search:
     def is_at_floor(self) -> bool:
         """Whether the best solution leaves no more than the errors."""
         return _evidence.floor_ratio(self.solutions[0], self.problem) < self.settings.floor
+
+    @property
+    def _rotates_within_errors(self) -> bool:
+        """Whether a rotation about one axis is the best, and leaves no more than the errors."""
+        if not self.solutions or not is_axial(self.solutions[0].refined.state):
+            return False
+        return self.is_at_floor
 
     @property
     def needed_ahead(self) -> float:
@@ -581,9 +592,12 @@ class Search:
         axial = [fit for fit in self.convex if is_axial(fit.state)]
         if not axial or self.is_over:
             return
-        if axial[0].chi_squared > self.settings.axial_worse * self.convex[0].chi_squared:
-            return
         problem = self._with_own_error(axial[0])
+        floor = _evidence.floor_ratio(self._robust(problem, axial[0]), problem)
+        least = self.settings.axial_worse * self.convex[0].chi_squared
+        # within the errors a tumbling body of other periods is no better
+        if axial[0].chi_squared > least and floor > self.settings.floor:
+            return
         rates: list[Robust] = []
         for fit in axial:
             rate = SearchState.of(fit.state).precession

@@ -427,10 +427,13 @@ class Settings:
     wide: float = 0.08
     # How often chance explains a nutation that fits better.
     by_chance: float = 0.1
-    # Rho of a nutation that would be noticed where rotation about one axis is claimed.
+    # Rho of a nutation that would be noticed where a rotation about one axis is solved.
     noticed: float = 0.16
     # Rates of that nutation over the rate of the rotation.
     noticed_rates: tuple[float, ...] = (0.2, 0.4, 0.8)
+    # Rho of a nutation, of 50 degrees, that would be noticed where the period of a rotation is
+    # claimed: apparitions of real rotators hide up to 46.
+    hidden: float = 0.466
     # By how much more than by chance, 21 to 23, it would fit better: of three tumbling bodies with
     # the rate of one axis it gained 6, 13 and 24; noise hides one in five that gains so much.
     noticed_by: float = 1.4

@@ -4,7 +4,8 @@ The verdicts are: solved, periods only, not solved.  A solution is accepted if i
 small as the errors (the floor), or, where errors are those of a telescope only, if it explains all
 but a small part of the variance and no other periods come near.  Other solutions compete within a
 difference of evidence.  A rotation about one axis is claimed only where a nutation improves the fit
-by no more than chance, and one of 18 degrees would improve it by more.
+by no more than chance, and a wide one would improve it by more; solved, where one of 18 degrees
+would.
 """
 
 from __future__ import annotations
@@ -208,10 +209,15 @@ def correlated_gain(one: Robust, rotator: Robust, problem: CurveProblem) -> floa
     Where so many points count as one, chance explains so many times as much.  The rotation leaves
     no more than the errors: above them a nutation correlates residuals.
     """
-    if _evidence.floor_ratio(rotator, problem) >= problem.settings.floor:
-        return 0.0
-    share = 1.0 - 1.0 / _evidence.redundancy(rotator, problem)
+    share = 1.0 - 1.0 / _redundancy(rotator, problem)
     return share * max(0.0, _evidence.gain(one, rotator, problem))
+
+
+def _redundancy(rotator: Robust, problem: CurveProblem) -> float:
+    """How many points count as one, where a rotation leaves no more than the errors; else 1."""
+    if _evidence.floor_ratio(rotator, problem) >= problem.settings.floor:
+        return 1.0
+    return _evidence.redundancy(rotator, problem)
 
 
 # ---- Rotations with one maximum a turn
@@ -404,6 +410,7 @@ def verdict(
     is_given_axis: bool = False,
     is_hidden: bool = True,
     is_interrupted: bool = False,
+    is_strict: bool = False,
 ) -> tuple[str, str]:
     """The verdict and its criterion in words.
 
@@ -411,7 +418,8 @@ def verdict(
     what competes: its best solution is not solved.
     `most`, turns per span, is the largest frequency of the search; `is_given_axis`: rotation about
     one axis is not found, but given; `is_hidden`: one apparition hides concave parts of a body that
-    turns about one.
+    turns about one; `is_strict`: a nutation that may be hidden is not left to the words, but what
+    is hidden counts without the correlation of residuals, as rounds of a search end.
     """
     if not solutions:
         return OPEN, "No solution was found."
@@ -442,23 +450,11 @@ def verdict(
         if unseen > settings.unseen:
             return OPEN, f"{words}; {100.0 * unseen:.0f} % of a period of phi or psi is not seen."
     else:
-        tumbling = [
-            other
-            for other in solutions[1:]
-            if not is_axial(other.refined.state) and not counts_as(other, best, problem)
-        ]
-        least = needed(best, problem)
-        close = [other for other in tumbling if other.evidence - best.evidence < least]
-        better = _better_by_nutation([best, *tumbling], problem, least, most)
-        if not (better or is_given_axis):
-            better = _nutation_unnoticed([best, *poles], problem, most)
-        if better:
-            return OPEN, f"{words}; {better}."
-        if close:
-            tumblers = f"{with_verb(len(close), 'tumbling state', 'lie')} within {least:.3g}"
-            if not all(_keeps_period(other, best, problem) for other in close):
-                return OPEN, f"{words}; {tumblers}, with other periods."
-            return PERIODS, f"{words}; {tumblers}, with this period."
+        limit, limits = _of_one_axis(solutions, problem, most)
+        if limit == SOLVED and not is_given_axis:
+            limit, limits = _of_hidden([best, *poles], problem, most, is_strict=is_strict)
+        if limit != SOLVED:
+            return limit, f"{words}; {limits}."
     errors = f"{settings.pole_errors:g} standard errors between nights"
     width, likely = _widths_of_poles(best, problem)
     within = (
@@ -525,7 +521,7 @@ def competes(other: Robust, best: Robust, problem: CurveProblem, *, is_hidden: b
         gap_to_other, least = _nearest([other], best, problem)
         return gap_to_other <= least
     if is_axial(state_of_best) and not is_axial(state):
-        return behind < needed(best, problem) and not counts_as(other, best, problem)
+        return _is_close(other, best, problem) and not counts_as(other, best, problem)
     is_behind_axis = is_axial(state_of_best) and is_hidden
     width = settings.axial_behind * _evidence.redundancy(best, problem) if is_behind_axis else 0.0
     is_close = behind < width and _is_other_pole(other, best, problem)
@@ -619,6 +615,43 @@ def of_satellite(
     return verdict
 
 
+def _of_one_axis(
+    solutions: Sequence[Robust], problem: CurveProblem, most: float
+) -> tuple[str, str]:
+    """How far tumbling states limit the verdict on a rotation about one axis, in words.
+
+    Solved, if they do not.
+    """
+    best = solutions[0]
+    tumbling = [
+        other
+        for other in solutions[1:]
+        if not is_axial(other.refined.state) and not counts_as(other, best, problem)
+    ]
+    least = needed(best, problem)
+    better = _better_by_nutation([best, *tumbling], problem, least, most)
+    if better:
+        return OPEN, better
+    close = [other for other in tumbling if _is_close(other, best, problem)]
+    if not close:
+        return SOLVED, ""
+    tumblers = f"{with_verb(len(close), 'tumbling state', 'lie')} within {least:.3g}"
+    if not all(_keeps_period(other, best, problem) for other in close):
+        return OPEN, f"{tumblers}, with other periods"
+    return PERIODS, f"{tumblers}, with this period"
+
+
+def _is_close(other: Robust, best: Robust, problem: CurveProblem) -> bool:
+    """Whether a tumbling state competes in evidence with a rotation about one axis.
+
+    With other periods only if its fit is better by more than its parameters explain by chance.
+    """
+    if other.evidence - best.evidence >= needed(best, problem):
+        return False
+    gained = _evidence.gain(other, best, problem) - correlated_gain(other, best, problem)
+    return gained > _NUTATION or _keeps_period(other, best, problem)
+
+
 def _better_by_nutation(
     solutions: Sequence[Robust], problem: CurveProblem, behind: float, most: float
 ) -> str:
@@ -627,12 +660,12 @@ def _better_by_nutation(
     Evidence counts the volume of a nutation, about ln N for each of its parameters, and odds
     against it.  Where these alone put the rotation about one axis in front, and the likelihood of a
     wide nutation is higher than by chance among the frequencies tried, a claim would rest on the
-    prior.
+    prior.  Where so many points count as one, chance explains so many times as much.
     """
     settings, best = problem.settings, solutions[0]
     counted = _NUTATION * math.log(len(problem)) + 2.0 * math.log(most / settings.odds)
     gains = [
-        _evidence.gain(other, best, problem)
+        _evidence.gain(other, best, problem) - correlated_gain(other, best, problem)
         for other in solutions[1:]
         if not is_axial(other.refined.state)
         and SearchState.of(other.refined.state).log_rho > math.log(settings.wide)
@@ -652,21 +685,30 @@ def _of_chance(most: float, settings: Settings) -> float:
     return exceeded_by_chance(settings.by_chance * min(1.0, settings.same_rate / most))
 
 
-def _nutation_unnoticed(poles: Sequence[Robust], problem: CurveProblem, most: float) -> str:
-    """In words: a nutation that would be hidden by the errors; "" where it would be noticed.
+def _of_hidden(
+    poles: Sequence[Robust], problem: CurveProblem, most: float, *, is_strict: bool
+) -> tuple[str, str]:
+    """How far nutations that the errors may hide limit the verdict on one axis, in words.
 
     `poles`: rotations about one axis that compete, for what is seen of a nutation depends on it.
+    What it would improve is a square of rho.  A period stays, if no wide nutation may be hidden.
     """
     settings = problem.settings
-    gain, least = min(map(_evidence.gain_of_nutation, poles)), _of_chance(most, settings)
-    least *= settings.noticed_by
-    if gain > least:
-        return ""
-    tilt = math.degrees(2.0 * math.atan(settings.noticed))
-    return (
-        f"a nutation of {tilt:.0f} degrees would improve the fit by {gain:.1f} in chi-squared "
-        f"({least:.1f} needed to tell it from chance; with modes PA one axis is given)"
+    gain = min(
+        _evidence.gain_of_nutation(one) / (1.0 if is_strict else _redundancy(one, problem))
+        for one in poles
     )
+    least = _of_chance(most, settings) * settings.noticed_by
+    if gain > least:
+        return SOLVED, ""
+    hidden = settings.noticed * math.sqrt(least / gain) if gain > 0.0 else math.inf
+    tilt, tried = (math.degrees(2.0 * math.atan(rho)) for rho in (hidden, settings.noticed))
+    words = (
+        f"a nutation of up to {tilt:.0f} degrees may be hidden (one of {tried:.0f} would improve "
+        f"the fit by {gain:.1f} in chi-squared, {least:.1f} needed to tell it from chance; with "
+        "modes PA one axis is given)"
+    )
+    return OPEN if is_strict or hidden > settings.hidden else PERIODS, words
 
 
 def _has_periods(state: FloatArray, best: FloatArray, problem: CurveProblem) -> bool:

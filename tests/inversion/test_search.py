@@ -260,18 +260,25 @@ def test_few_poles_of_a_rotation_are_fitted_where_tumbling_is_ahead(monkeypatch,
 
 
 @pytest.mark.parametrize(
-    ("costs", "ahead", "expected"),
+    ("costs", "ahead", "tumbling", "residual", "expected"),
     [
-        ((0.0, 30.0), -math.inf, [200, 100]),
-        ((30.0, 0.0, 0.0), -math.inf, [200, 100, 200]),  # the other rate comes first
-        ((0.0,), 80.0, [200]),  # a tumbling body is ahead of the best rate
+        ((0.0, 30.0), -math.inf, 1.0, 0.0, [200, 100]),
+        ((30.0, 0.0, 0.0), -math.inf, 1.0, 0.0, [200, 100, 200]),  # the other rate comes first
+        ((0.0,), 80.0, 1.0, 0.0, [200]),  # a tumbling body is ahead of the best rate
+        # of (135) Hertha one of other periods left less than half, all far below the errors
+        ((0.0, 30.0), -math.inf, 0.4, 0.0, [200, 100]),
+        ((), -math.inf, 0.4, 1.0, []),
     ],
 )
-def test_another_rate_of_rotation_has_a_coarser_map(monkeypatch, costs, ahead, expected):
+def test_another_rate_of_rotation_has_a_coarser_map(
+    monkeypatch, costs, ahead, tumbling, residual, expected
+):
     bodies = [_weighted(0.0, 0.0, 1.0).refined for _ in range(2)]
     bodies[1].state[0] *= 2.0
-    for body in bodies:
-        body.chi_squared, body.cost = 1.0, 0.0
+    bodies.append(_weighted(-9.0, 0.0, 1.0).refined)
+    for body, chi_squared in zip(bodies, (1.0, 1.0, tumbling), strict=True):
+        body.chi_squared, body.cost = chi_squared, 0.0
+    bodies.sort(key=lambda body: body.chi_squared)
     search = _search_of(_given(np.zeros(COUNT)), convex=list(bodies))
     maps, left = [], iter(costs)
 
@@ -281,7 +288,8 @@ def test_another_rate_of_rotation_has_a_coarser_map(monkeypatch, costs, ahead, e
         return [fit], [fit]
 
     def robust(self, problem, fit, *, is_wide=False):
-        return _evidence.Weighted(fit, problem, float(fit.state[0]), np.zeros(COUNT), 1.0)
+        left = np.full(COUNT, residual)
+        return _evidence.Weighted(fit, problem, float(fit.state[0]), left, 1.0)
 
     def is_far_behind(self, rotator, problem, width):
         return ahead > width and width == problem.settings.axial_mapped
@@ -469,9 +477,20 @@ def test_outliers_hardly_count_in_maps_of_many_rates(monkeypatch):
     assert last is given
 
 
-@pytest.mark.parametrize("are_all", [True, False])
-def test_a_search_without_all_maps_of_its_first_round_is_incomplete(monkeypatch, are_all):
-    search = _search_of(_given(np.zeros(COUNT)), solutions=[_weighted(-9.0, 0.0, 1.0)])
+@pytest.mark.parametrize(
+    ("are_all", "nutation", "residual", "is_complete"),
+    [
+        (True, -9.0, 0.0, True),
+        (False, -9.0, 0.0, False),
+        (False, 0.0, 0.0, True),  # these maps are of tumbling states
+        (False, 0.0, 1.0, False),  # above the errors one may be what the rotation lacks
+    ],
+)
+def test_a_search_without_all_maps_of_its_first_round_is_incomplete(
+    monkeypatch, are_all, nutation, residual, is_complete
+):
+    solution = _weighted(nutation, 0.0, 1.0, np.full(COUNT, residual))
+    search = _search_of(_given(np.zeros(COUNT)), solutions=[solution])
     rounds = []
 
     def poles_of_classes(self, number):
@@ -487,7 +506,7 @@ def test_a_search_without_all_maps_of_its_first_round_is_incomplete(monkeypatch,
     monkeypatch.setattr(_search.Search, "is_over", False)
     search.run()
     # a later round that the budget ends leaves what the first one tried
-    assert search.is_complete is are_all and len(rounds) == 1 + are_all
+    assert search.is_complete is is_complete and len(rounds) == 1 + are_all
 
 
 @pytest.mark.parametrize(("nutation", "is_claimed"), [(-9.0, False), (0.0, True)])
