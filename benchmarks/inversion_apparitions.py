@@ -11,16 +11,16 @@
     python benchmarks/inversion_apparitions.py drift 6 SEED          the same under a torque
 
 `rotators`: relative nights and calibrated sparse points of another forward model
-(`synthetic_curves`), blind from 2 to 24 h, budget 60 s.  `without`: no window of the true rate,
-half of it or twice is searched, so that each claim is wrong.  `damit`: a file of relative light
-curves in DAMIT's format, blind from 2 to 24 h and between P -+ 0.01 %, against the published period
-(h) and pole (ecliptic, deg); with FOLDER, in which `convexinv` is built, the same curves by that
-program from the published values.  `to-percent`: that file with its period to 1 %.  `each`: every
-apparition of the file alone, as a rotation about one axis; `blind`: tumbling is searched for too,
-in the settings of a user who knows nothing.  `two`: tumbling bodies of `synthetic_curves` on the orbit of (99942)
-Apophis, seen on 40 nights from 23 December 2012 to 15 April 2013 and on 60 from 15 November 2020 to
-10 May 2021, three points an hour, errors of 0.03 mag; `drift`: under a torque fixed in the body
-that changes its rates by 2 to 6 turns per span^2.
+(`synthetic_curves`), blind from 2 to 24 h, budget 60 s. `without`: no window of the true rate, half
+of it or twice is searched, so that each claim is wrong. `damit`: a file of relative light curves in
+DAMIT's format, blind from 2 to 24 h and between P -+ 0.01 %, against the published period (h) and
+pole (ecliptic, deg); with FOLDER, in which `convexinv` is built, the same curves by that program
+from the published values. `to-percent`: that file with its period to 1 %. `each`: every apparition
+of the file alone, as a rotation about one axis; `blind`: tumbling is searched for too, in the
+settings of a user who knows nothing. `two`: tumbling bodies of `synthetic_curves` on the orbit of
+(99942) Apophis, seen on 40 nights from 23 December 2012 to 15 April 2013 and on 60 from 15 November
+2020 to 10 May 2021, three points an hour, errors of 0.03 mag; `drift`: under a torque fixed in the
+body that changes its rates by 2 to 6 turns per span^2.
 Processor seconds.
 """
 

@@ -40,7 +40,7 @@ def dispatcher(function: Callable[..., Any], options: Mapping[str, Any], kept: b
     if kept:
         return _without_literals(kept_on_disk(function, options))
     is_inner = options.get("no_cpython_wrapper")
-    compiler = {"pipeline_class": _InnerCompiler} if is_inner else {}
+    compiler: dict[str, Any] = {"pipeline_class": _InnerCompiler} if is_inner else {}
     return _without_literals(numba.njit(**options, **compiler)(function))
 
 

@@ -431,9 +431,9 @@ class Settings:
     noticed: float = 0.16
     # Rates of that nutation over the rate of the rotation.
     noticed_rates: tuple[float, ...] = (0.2, 0.4, 0.8)
-    # Rho of a nutation, of 50 degrees, that would be noticed where the period of a rotation is
-    # claimed: apparitions of real rotators hide up to 46.
-    hidden: float = 0.466
+    # Rho of a nutation, of 45 degrees, that would be noticed where the period of a rotation is
+    # claimed: apparitions of two real rotators hide 22 to 41.
+    hidden: float = 0.414
     # By how much more than by chance, 21 to 23, it would fit better: of three tumbling bodies with
     # the rate of one axis it gained 6, 13 and 24; noise hides one in five that gains so much.
     noticed_by: float = 1.4

@@ -209,15 +209,10 @@ def correlated_gain(one: Robust, rotator: Robust, problem: CurveProblem) -> floa
     Where so many points count as one, chance explains so many times as much.  The rotation leaves
     no more than the errors: above them a nutation correlates residuals.
     """
-    share = 1.0 - 1.0 / _redundancy(rotator, problem)
-    return share * max(0.0, _evidence.gain(one, rotator, problem))
-
-
-def _redundancy(rotator: Robust, problem: CurveProblem) -> float:
-    """How many points count as one, where a rotation leaves no more than the errors; else 1."""
     if _evidence.floor_ratio(rotator, problem) >= problem.settings.floor:
-        return 1.0
-    return _evidence.redundancy(rotator, problem)
+        return 0.0
+    share = 1.0 - 1.0 / _evidence.redundancy(rotator, problem)
+    return share * max(0.0, _evidence.gain(one, rotator, problem))
 
 
 # ---- Rotations with one maximum a turn
@@ -418,8 +413,7 @@ def verdict(
     what competes: its best solution is not solved.
     `most`, turns per span, is the largest frequency of the search; `is_given_axis`: rotation about
     one axis is not found, but given; `is_hidden`: one apparition hides concave parts of a body that
-    turns about one; `is_strict`: a nutation that may be hidden is not left to the words, but what
-    is hidden counts without the correlation of residuals, as rounds of a search end.
+    turns about one; `is_strict`: no nutation that may be hidden is left to the words.
     """
     if not solutions:
         return OPEN, "No solution was found."
@@ -451,8 +445,10 @@ def verdict(
             return OPEN, f"{words}; {100.0 * unseen:.0f} % of a period of phi or psi is not seen."
     else:
         limit, limits = _of_one_axis(solutions, problem, most)
-        if limit == SOLVED and not is_given_axis:
-            limit, limits = _of_hidden([best, *poles], problem, most, is_strict=is_strict)
+        if limit != OPEN and not is_given_axis:
+            hidden = _of_hidden([best, *poles], problem, most, is_strict=is_strict)
+            if OPEN in hidden or limit == SOLVED:
+                limit, limits = hidden
         if limit != SOLVED:
             return limit, f"{words}; {limits}."
     errors = f"{settings.pole_errors:g} standard errors between nights"
@@ -694,10 +690,7 @@ def _of_hidden(
     What it would improve is a square of rho.  A period stays, if no wide nutation may be hidden.
     """
     settings = problem.settings
-    gain = min(
-        _evidence.gain_of_nutation(one) / (1.0 if is_strict else _redundancy(one, problem))
-        for one in poles
-    )
+    gain = min(map(_evidence.gain_of_nutation, poles))
     least = _of_chance(most, settings) * settings.noticed_by
     if gain > least:
         return SOLVED, ""
