@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude._support import validation
-from attitude._support.arrays import units
+from attitude._support.arrays import parted, units
+from attitude._support.constants import GAP_OF_NIGHTS_S
 from attitude._support.least_squares import Decomposed
 from attitude.errors import AttitudeError
 from attitude.inversion._settings import DEFAULT, Settings, Tally
@@ -257,8 +258,12 @@ class CurveProblem:
 # ---- The `CurveProblem` of a light curve: scaled epochs, linear terms, points binned if too many
 
 LEAST_POINTS: int = 20
-# Errors, mag, that are assumed where none are given.
+# Errors, mag, that are assumed where none are given: of nights, and of surveys beside them, whose
+# scatter is far larger (Hanus & Durech, Planet. Space Sci. 73, 75, 2012).
 UNKNOWN_SIGMA: float = 0.02
+_OF_SURVEY = 0.1
+# Points a night that a survey has at most.
+_FEW_A_NIGHT = 4.0
 # Standard deviation, mag, of the zero points of sessions whose magnitudes share one system.
 CALIBRATED: float = 0.1
 # The share of points that have the brightest magnitude exactly, from which they may be saturated.
@@ -311,10 +316,14 @@ def usable(curve: Any) -> LightCurve:
     if np.any(unknown):
         known = errors[~unknown]
         assumed = max(UNKNOWN_SIGMA, float(np.median(known)) if len(known) else 0.0)
+        of_survey = unknown & _beside_nights(curve)
         errors[unknown] = assumed
+        errors[of_survey] = max(_OF_SURVEY, assumed)
+        surveys = np.count_nonzero(of_survey)
+        more = f", {max(_OF_SURVEY, assumed):.3f} mag for {surveys} of surveys" if surveys else ""
         notes.append(
             f"{np.count_nonzero(unknown)} of {count} points have no error; {assumed:.3f} mag is "
-            "assumed."
+            f"assumed{more}."
         )
     brightest = np.count_nonzero(magnitude == magnitude.min())
     if brightest >= 5 and brightest > _SATURATED * count and np.ptp(magnitude) > 0.0:
@@ -323,6 +332,16 @@ def usable(curve: Any) -> LightCurve:
             "saturated ones do; leave such points out."
         )
     return curve.replaced(magnitude=magnitude, sigma=errors, notes=notes)
+
+
+def _beside_nights(curve: LightCurve) -> BoolArray:
+    """Which points (N,) are of sessions with few a night, where others have many."""
+    sparse = np.zeros(len(curve), bool)
+    for label in np.unique(curve.session):
+        session = curve.session == label
+        nights = len(parted(curve.emission[session], GAP_OF_NIGHTS_S))
+        sparse |= session & (nights > 1) & (np.count_nonzero(session) <= _FEW_A_NIGHT * nights)
+    return sparse & (np.count_nonzero(~sparse) >= LEAST_POINTS)
 
 
 def problem(

@@ -615,27 +615,28 @@ class Search:
         coarse = replace(best.problem, settings=settings.with_coarse_map())
         for one in rates:
             if one.evidence < best.evidence + settings.axial_mapped:
-                leading = self._mapped(one, best.problem if one is best else coarse, problem)
+                count = len(self.axial)
+                state, is_best = one.refined.state, one is best
+                leading = self._mapped(state, best.problem if is_best else coarse, problem)
                 if leading and self._is_far_behind(
                     self._compared(problem, leading), problem, settings.axial_mapped
                 ):
                     break
-                state = one.refined.state
-                if (
-                    one is not best
-                    and leading
-                    and _pole_map.has_turn(problem, leading.state, state)
-                ):
-                    self._mapped(one, best.problem, problem)
+                if leading and not is_best and any(leading is fit for fit in self.axial[count:]):
+                    self._mapped(leading.state, best.problem, problem)
         self.axial = self._most_probable(self.axial, problem)
         self.held_poles = self._most_probable(self.held_poles, problem)
         for minimum in self.axial[: self.settings.axial_others]:
             self.convex.append(self._fit(minimum.state))
         self.convex.sort(key=lambda fit: fit.cost)
 
-    def _mapped(self, one: Robust, mapping: CurveProblem, problem: CurveProblem) -> Refined | None:
-        """The most probable rotation about one axis, after a map of poles at the rate of one."""
-        state = one.refined.state
+    def _mapped(
+        self, state: FloatArray, mapping: CurveProblem, problem: CurveProblem
+    ) -> Refined | None:
+        """The most probable rotation about one axis, after a map of poles at the rate of a state.
+
+        A state (WIDTH,).
+        """
         free, held = _pole_map.minima(
             mapping,
             self.problem,

@@ -385,6 +385,37 @@ def test_notes_of_doubtful_curves():
     assert "no error" in words and "saturated" in words
 
 
+@pytest.mark.parametrize(
+    ("nights", "a_night", "sigma", "expected"),
+    [
+        (25, 1, None, 0.1),  # a survey
+        (6, 4, None, 0.1),
+        (5, 5, None, 0.02),  # nights
+        (1, 4, None, 0.02),
+        (25, 1, 0.03, 0.03),
+    ],
+)
+def test_points_of_surveys_without_errors_are_noisier_than_nights(nights, a_night, sigma, expected):
+    """Of (135) Hertha the points of two surveys, as good as nights, gave a wrong period."""
+    night = np.linspace(0.0, 0.2, 40)
+    t = np.concatenate([night, *(30.0 + k + 0.01 * np.arange(a_night) for k in range(nights))])
+    session = np.where(t < 1.0, "night", "survey")
+
+    def errors_of(points):
+        epochs, magnitude = 86400.0 * t[points], np.sin(t[points])
+        given = {"session": session[points], **CURVE}
+        return inversion_problem.usable(inversion.LightCurve(epochs, magnitude, sigma, **given))
+
+    curve = errors_of(t > -1.0)
+    assert curve.magnitude_sigma[-1] == expected
+    assert curve.magnitude_sigma[0] == (sigma or 0.02)
+    words = f"0.100 mag for {nights * a_night} of surveys"
+    assert (words in " ".join(curve.notes)) == (expected == 0.1)
+    if nights * a_night >= inversion_problem.LEAST_POINTS:
+        # alone they may be an observer's few points a night
+        assert errors_of(t > 1.0).magnitude_sigma[-1] == (sigma or 0.02)
+
+
 def test_constant_brightness_and_short_spans_are_not_solved():
     generator = np.random.default_rng(7)
     curve = inversion.LightCurve(EPOCHS, 15.0 + 0.02 * generator.normal(size=40), 0.02, **CURVE)

@@ -280,11 +280,14 @@ def test_another_rate_of_rotation_has_a_coarser_map(
         body.chi_squared, body.cost = chi_squared, 0.0
     bodies.sort(key=lambda body: body.chi_squared)
     search = _search_of(_given(np.zeros(COUNT)), convex=list(bodies))
-    maps, left = [], iter(costs)
+    maps, rates, left = [], [], iter(costs)
 
     def minima(mapping, rough, state, *others):
         maps.append(mapping.settings.axial_poles)
-        fit = SimpleNamespace(state=state, cost=next(left), normal=np.eye(_refinement.SIZE))
+        rates.append(state[0])
+        # with its pole free a body turns at another rate
+        moved = np.array([state[0] + 1.0, *state[1:]])
+        fit = SimpleNamespace(state=moved, cost=next(left), normal=np.eye(_refinement.SIZE))
         return [fit], [fit]
 
     def robust(self, problem, fit, *, is_wide=False):
@@ -304,6 +307,8 @@ def test_another_rate_of_rotation_has_a_coarser_map(
         monkeypatch.setattr(_search.Search, name, fake)
     search._axial_poles()
     assert maps == expected
+    # the second map of a rate is about what the first one found
+    assert rates[2:] == [rate + 1.0 for rate in rates[1:-1]]
 
 
 @pytest.mark.parametrize(("factor", "short", "deep"), [(2.9, 60, 30), (3.1, 40, 8)])
