@@ -258,8 +258,8 @@ class CurveProblem:
 # ---- The `CurveProblem` of a light curve: scaled epochs, linear terms, points binned if too many
 
 LEAST_POINTS: int = 20
-# Errors, mag, that are assumed where none are given: of nights, and of surveys beside them, whose
-# scatter is far larger (Hanus & Durech, Planet. Space Sci. 73, 75, 2012).
+# Errors, mag, that are assumed where none are given: of nights, and of surveys beside them, in a
+# curve without any; their scatter is far larger (Hanus & Durech, Planet. Space Sci. 73, 75, 2012).
 UNKNOWN_SIGMA: float = 0.02
 _OF_SURVEY = 0.1
 # Points a night that a survey has at most.
@@ -316,11 +316,11 @@ def usable(curve: Any) -> LightCurve:
     if np.any(unknown):
         known = errors[~unknown]
         assumed = max(UNKNOWN_SIGMA, float(np.median(known)) if len(known) else 0.0)
-        of_survey = unknown & _beside_nights(curve)
         errors[unknown] = assumed
-        errors[of_survey] = max(_OF_SURVEY, assumed)
+        of_survey = _beside_nights(curve) & (len(known) == 0)
+        errors[of_survey] = _OF_SURVEY
         surveys = np.count_nonzero(of_survey)
-        more = f", {max(_OF_SURVEY, assumed):.3f} mag for {surveys} of surveys" if surveys else ""
+        more = f", {_OF_SURVEY:.3f} mag for {surveys} of surveys" if surveys else ""
         notes.append(
             f"{np.count_nonzero(unknown)} of {count} points have no error; {assumed:.3f} mag is "
             f"assumed{more}."

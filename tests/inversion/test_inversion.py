@@ -411,6 +411,12 @@ def test_points_of_surveys_without_errors_are_noisier_than_nights(nights, a_nigh
     assert curve.magnitude_sigma[0] == (sigma or 0.02)
     words = f"0.100 mag for {nights * a_night} of surveys"
     assert (words in " ".join(curve.notes)) == (expected == 0.1)
+    if sigma is None:
+        # 76 of 370 points of Toutatis have none: few a night are those of observers
+        errors = np.where(t < 0.1, 0.03, np.nan)
+        epochs, given = 86400.0 * t, {"session": session, **CURVE}
+        beside = inversion.LightCurve(epochs, np.sin(t), errors, **given)
+        assert inversion_problem.usable(beside).magnitude_sigma[-1] == 0.03
     if nights * a_night >= inversion_problem.LEAST_POINTS:
         # alone they may be an observer's few points a night
         assert errors_of(t > 1.0).magnitude_sigma[-1] == (sigma or 0.02)
