@@ -73,7 +73,7 @@ def solved(
         print(
             f"    P {best.P_phi / _HOURS:.8f} +- {sigma:.1e} h (known {known:.8f}), pole "
             f"{longitude:.1f} {latitude:+.1f} +- {math.degrees(best.pole_sigma):.1f} deg, rms "
-            f"{best.rms:.4f} mag",
+            f"{best.rms:.4f} mag\n    {found.criterion}",
             flush=True,
         )
     return right, own, listed, found.verdict, spent

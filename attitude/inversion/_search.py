@@ -593,11 +593,11 @@ class Search:
         if not axial or self.is_over:
             return
         problem = self._with_own_error(axial[0])
-        floor = _evidence.floor_ratio(self._robust(problem, axial[0]), problem)
-        least = self.settings.axial_worse * self.convex[0].chi_squared
-        # within the errors a tumbling body of other periods is no better
-        if axial[0].chi_squared > least and floor > self.settings.floor:
-            return
+        if axial[0].chi_squared > self.settings.axial_worse * self.convex[0].chi_squared:
+            # within the errors a tumbling body of other periods is no better
+            rotation = self._robust(problem, axial[0])
+            if _evidence.floor_ratio(rotation, problem) > self.settings.floor:
+                return
         rates: list[Robust] = []
         for fit in axial:
             rate = SearchState.of(fit.state).precession

@@ -432,7 +432,7 @@ class Settings:
     # Rates of that nutation over the rate of the rotation.
     noticed_rates: tuple[float, ...] = (0.2, 0.4, 0.8)
     # Rho of a nutation, of 45 degrees, that would be noticed where the period of a rotation is
-    # claimed: apparitions of two real rotators hide 22 to 41.
+    # claimed: a real rotator, (43) Ariadne, hides one of 29 where it was seen for two days.
     hidden: float = 0.414
     # By how much more than by chance, 21 to 23, it would fit better: of three tumbling bodies with
     # the rate of one axis it gained 6, 13 and 24; noise hides one in five that gains so much.

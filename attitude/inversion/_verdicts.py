@@ -447,7 +447,7 @@ def verdict(
         limit, limits = _of_one_axis(solutions, problem, most)
         if limit != OPEN and not is_given_axis:
             hidden = _of_hidden([best, *poles], problem, most, is_strict=is_strict)
-            if OPEN in hidden or limit == SOLVED:
+            if hidden[0] == OPEN or limit == SOLVED:
                 limit, limits = hidden
         if limit != SOLVED:
             return limit, f"{words}; {limits}."
@@ -644,8 +644,13 @@ def _is_close(other: Robust, best: Robust, problem: CurveProblem) -> bool:
     """
     if other.evidence - best.evidence >= needed(best, problem):
         return False
-    gained = _evidence.gain(other, best, problem) - correlated_gain(other, best, problem)
+    gained = _gained(other, best, problem)
     return gained > _NUTATION or _keeps_period(other, best, problem)
+
+
+def _gained(other: Robust, best: Robust, problem: CurveProblem) -> float:
+    """By how much a tumbling state fits better than a rotation, less what correlation gives it."""
+    return _evidence.gain(other, best, problem) - correlated_gain(other, best, problem)
 
 
 def _better_by_nutation(
@@ -661,7 +666,7 @@ def _better_by_nutation(
     settings, best = problem.settings, solutions[0]
     counted = _NUTATION * math.log(len(problem)) + 2.0 * math.log(most / settings.odds)
     gains = [
-        _evidence.gain(other, best, problem) - correlated_gain(other, best, problem)
+        _gained(other, best, problem)
         for other in solutions[1:]
         if not is_axial(other.refined.state)
         and SearchState.of(other.refined.state).log_rho > math.log(settings.wide)
