@@ -280,10 +280,6 @@ def dipole(torque: MagneticDipole, body: Body, axes: Axes, degree: int) -> list[
 
 # ---- Tensors: torques that are bilinear in a vector and another one
 
-_LEVI = np.zeros((3, 3, 3))
-for _i, _j, _k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-    _LEVI[_i, _j, _k], _LEVI[_i, _k, _j] = 1.0, -1.0
-
 
 def tensor_numbers(x: FloatArray, points: FloatArray, gamma: FloatArray) -> FloatArray:
     """The ten numbers (N, 10) of `_rates.of_tensor` for N_i = e_ijk X_jm T_mk at l (N, 3).
@@ -291,21 +287,24 @@ def tensor_numbers(x: FloatArray, points: FloatArray, gamma: FloatArray) -> Floa
     x: (N, 3, 3), over the principal axes as l; gamma (3,) by p (1 - p).  Over the precession T is
     a 1 + b l l' and the part of vec T along l, and the torque across l follows from T l and T' l.
     """
-    straight = np.einsum("ijk,njk->ni", _LEVI, x)
-    doubled = np.einsum("ijk,njm,nm,nk->ni", _LEVI, x, points, points)
-    skew = np.einsum("ijk,njm,pmk,np->ni", _LEVI, x, _LEVI, points)
+    over = np.sum(x * points[:, None, :], axis=2)  # X l
+    trace = x[:, 0, 0] + x[:, 1, 1] + x[:, 2, 2]
+    straight = np.stack(
+        [x[:, 1, 2] - x[:, 2, 1], x[:, 2, 0] - x[:, 0, 2], x[:, 0, 1] - x[:, 1, 0]], axis=1
+    )
+    doubled = np.cross(over, points)
+    skew = trace[:, None] * points - np.sum(x * points[:, :, None], axis=1)
     out = np.empty((len(points), 10))
     for first, arm in ((0, points), (3, points * gamma)):
         one, two, three = (np.sum(arm * vectors, axis=1) for vectors in (straight, doubled, skew))
         out[:, first] = 0.5 * (one - two)
         out[:, first + 1] = 1.5 * two - 0.5 * one
         out[:, first + 2] = -0.5 * three
-    first_arm = np.einsum("ijk,njm,nk->nim", _LEVI, x, points)  # by T l
-    second_arm = np.einsum("ijk,njm,nm->nik", _LEVI, x, points)  # by T' l
-    for place, matrix in ((6, first_arm), (8, second_arm)):
-        along = np.einsum("ni,nij,nj->n", points, matrix, points)
-        out[:, place] = 0.5 * (np.trace(matrix, axis1=1, axis2=2) - along)
-        out[:, place + 1] = 0.5 * np.einsum("nk,kij,nji->n", points, _LEVI, matrix)
+    along = np.sum(points * over, axis=1)
+    out[:, 6] = -0.5 * np.sum(points * straight, axis=1)
+    out[:, 7] = 0.5 * (along - trace)
+    out[:, 8] = 0.0
+    out[:, 9] = along
     return out
 
 
@@ -336,9 +335,8 @@ def eddy(torque: EddyCurrent, body: Body, axes: Axes, degree: int) -> list[Mean]
     size = float(np.max(np.abs(tensor)))
 
     def turned(points: FloatArray) -> FloatArray:
-        rate = points / axes.moments
-        # (M [w x])_jq = M_jm e_mpq w_p
-        return np.einsum("jm,mpq,np->njq", tensor, _LEVI, rate)
+        # the rows of M [w x]
+        return np.cross(tensor, (points / axes.moments)[:, None, :])
 
     def still(points: FloatArray) -> FloatArray:
         return np.broadcast_to(-tensor, (len(points), 3, 3))

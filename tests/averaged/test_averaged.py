@@ -93,13 +93,13 @@ def brute(torque, y, region, momentum, nutation=200, precession=16):
     """dL/dt over ICRF axes and dy/dt by the trapezoidal rule over both phases."""
     size = np.linalg.norm(momentum)
     unit = momentum / size
-    wxyz, points = [], np.repeat(AXES.nodes(y, region, nutation), precession, axis=0)
-    for k, x in enumerate(points):
-        angle = math.pi * (k % precession) / precession
-        half = np.array([0.0, *(unit + x)]) / np.linalg.norm(unit + x)
-        turn = np.array([math.cos(angle), *(math.sin(angle) * unit)])
-        back = quaternion.conjugate(AXES.numbers[polhode.TURN : polhode.MATRIX])
-        wxyz.append(quaternion.multiply(quaternion.multiply(turn, half), back))
+    points = np.repeat(AXES.nodes(y, region, nutation), precession, axis=0)
+    angle = math.pi * (np.arange(len(points)) % precession)[:, None] / precession
+    half = np.concatenate([np.zeros((len(points), 1)), unit + points], axis=1)
+    half /= np.linalg.norm(half, axis=1)[:, None]
+    turn = np.concatenate([np.cos(angle), np.sin(angle) * unit], axis=1)
+    back = quaternion.conjugate(AXES.numbers[polhode.TURN : polhode.MATRIX])
+    wxyz = quaternion.multiply(quaternion.multiply(turn, half), back)
     omega = size * points / AXES.moments
     given = torque.sample(instant(EPOCH), np.zeros(1), np.zeros(1))
     if not given.shape[1]:
@@ -112,7 +112,7 @@ def brute(torque, y, region, momentum, nutation=200, precession=16):
         torque.address(),
         parameters.ctypes.data,
         np.zeros(len(points)),
-        np.array(wxyz),
+        np.ascontiguousarray(wxyz),
         over_body,
         given,
         found,
@@ -120,7 +120,7 @@ def brute(torque, y, region, momentum, nutation=200, precession=16):
     if torque.kind == SLIP:
         found, mean = np.cross(size * points @ AXES.matrix.T, found), np.zeros(3)
     else:
-        mean = quaternion.rotate(np.array(wxyz), found).mean(axis=0)
+        mean = quaternion.rotate(wxyz, found).mean(axis=0)
     along = np.sum(omega * points, axis=1)
     rate = np.sum((omega - along[:, None] * points) * (found @ AXES.matrix), axis=1)
     p, rest = polhode.shares(np.array(y))
