@@ -8,6 +8,7 @@ that readers who confuse red and green can tell apart, Okabe and Ito 2008.
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 SPEED_OF_LIGHT_M_S: Final = 299792458.0
@@ -21,6 +22,10 @@ SIDEREAL_DAY_S: Final = 86164.0905
 JD_OF_MJD_0: Final = 2400000.5
 # Modified Julian date of 2000 January 1, 12 h.
 MJD_OF_J2000: Final = 51544.5
+# Magnitudes of a factor e.
+MAGNITUDES_PER_E: Final = 2.5 / math.log(10.0)
+# Width of the opposition surge, rad, where light curves fit its height alone.
+OPPOSITION_SURGE_RAD: Final = math.radians(5.0)
 BLUE: Final = "#0072b2"
 VERMILION: Final = "#d55e00"
 GREEN: Final = "#009e73"

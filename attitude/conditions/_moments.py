@@ -51,7 +51,7 @@ class Source:
     def __init__(self, motion: Motion | None, scene: Any = None) -> None:
         self.motion, self.scene = motion, scene  # a Scene, which is a module above this one
         owner: Any = motion if scene is None else scene
-        self.epoch = _instants.Instant(0.0) if owner.epoch is None else owner.epoch
+        self.epoch = _instants.J2000 if owner.epoch is None else owner.epoch
 
     def at(self, hi: FloatArray, lo: FloatArray, step: float | None = None) -> Moment:
         """The block of epochs hi + lo (N,), TDB seconds since the epoch; see `Moment`."""

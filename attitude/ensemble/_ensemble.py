@@ -744,7 +744,7 @@ class Ensemble(Immutable):
     @property
     def start_of_seconds(self) -> _instants.Instant:
         """The epoch that all members share, or J2000."""
-        return self.epoch or _instants.Instant(0.0)
+        return self.epoch or _instants.J2000
 
     # ---- States, periods and invariants
 

@@ -125,7 +125,7 @@ def _epochs(
                 )
             return *_inputs.past_j2000(t, "t"), True
     # Without members any epoch will do.
-    first = _instants.Instant(*start[:, 0]) if start.shape[1] else _instants.Instant(0.0)
+    first = _instants.Instant(*start[:, 0]) if start.shape[1] else _instants.J2000
     return *_inputs.seconds_since(first, t, low), False
 
 

@@ -287,3 +287,7 @@ def times(start: Instant, seconds: ArrayLike, low: ArrayLike | None = None) -> T
     if np.any(unknown):
         time[unknown] = np.ma.masked
     return time
+
+
+# 2000 January 1, 12 h TDB.
+J2000 = Instant(0.0)

@@ -609,7 +609,7 @@ def shadow_state(lit: Scene | StateFunction) -> ShadowState:
     (array([1047.198, 2094.395, 4188.79 , 5235.988]), array([1, 2, 1, 0]))
     """
     if isinstance(lit, Scene):
-        return ShadowState(lit, lit.epoch or _instants.Instant(0.0))
+        return ShadowState(lit, lit.epoch or _instants.J2000)
     if not callable(lit):
         raise AttitudeError(f"lit is {lit!r}; give a Scene or a function of seconds.")
     return ShadowState(lit)

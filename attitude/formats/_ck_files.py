@@ -21,7 +21,7 @@ from attitude._textfiles.lines import path_text, unreadable
 from attitude.catalog import motion_of
 from attitude.epochs import _inputs, _time_scales
 from attitude.errors import AttitudeError
-from attitude.formats._sampling import apart, known_angle, longest_of
+from attitude.formats._sampling import MOST_RECORDS, apart, known_angle, longest_of
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from attitude.motions._table import AttitudeTable
@@ -165,7 +165,6 @@ class LoadedKernels:
 
 # Degree of the Hermite polynomials of type 5.
 DEGREE: int = 7
-_MOST_RECORDS = 20_000_000
 # Places at which the error of interpolation is measured.
 _PROBES = 300
 # Its ratio to the tolerances.
@@ -280,9 +279,9 @@ class Plan:
         # A full window of interpolation in each stretch.
         least = 2 if len(lengths) == 1 else self._width
         counts = np.maximum(np.ceil(lengths / self.step).astype(int) + 1, least)
-        if np.sum(counts) > _MOST_RECORDS:
+        if np.sum(counts) > MOST_RECORDS:
             raise AttitudeError(
-                f"the tolerances need {np.sum(counts)} records, more than {_MOST_RECORDS}; give "
+                f"the tolerances need {np.sum(counts)} records, more than {MOST_RECORDS}; give "
                 "larger ones, a shorter span, or type 5."
             )
         ends = zip(self.bounds[:-1], self.bounds[1:], counts, strict=True)

@@ -246,7 +246,7 @@ def _cut(records: Records) -> list[Records]:
     return parts
 
 
-_MOST_RECORDS = 20_000_000
+MOST_RECORDS = 20_000_000
 # Error of the first step, in tolerances.
 _MARGIN = 0.25
 # A file of a greater error than the tolerance is repeated with half the step, so many times.
@@ -363,9 +363,9 @@ def sampled(
     with made_whole(path, writing.name) as temporary:
         for _ in range(_REPEATED):
             count = sum(piece.length / step for piece in stretches)
-            if count > _MOST_RECORDS:
+            if count > MOST_RECORDS:
                 raise AttitudeError(
-                    f"the tolerance needs {count:.3g} records, more than {_MOST_RECORDS}; give a "
+                    f"the tolerance needs {count:.3g} records, more than {MOST_RECORDS}; give a "
                     "larger one, a shorter span, or another method or degree of interpolation."
                 )
             records = [piece.records(step, _window(*writing.stated)) for piece in stretches]

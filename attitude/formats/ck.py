@@ -105,7 +105,7 @@ class KernelAttitude(Motion):
             )
         self._set("kernels", tuple(os.fspath(name) for name in names))
         self._set("frame", frame)
-        self._set("epoch", _instants.Instant(0.0))
+        self._set("epoch", _instants.J2000)
         self._set("_loaded", loaded)
 
     def close(self) -> None:

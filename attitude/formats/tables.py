@@ -291,7 +291,7 @@ def from_table(
     meta = {str(key).lower(): value for key, value in table.meta.items()}
     with prefixed(origin):
         wxyz = forms.unit(wxyz, tolerance=tolerance)
-        axes, where = named(meta.get("frame", "ICRF")), (_instants.Instant(0.0), *time, orbit)
+        axes, where = named(meta.get("frame", "ICRF")), (_instants.J2000, *time, orbit)
         if rates is None:
             wxyz, rates = in_icrf("QUATERNION", wxyz, _CONVENTION, axes, where)
         else:
@@ -522,7 +522,7 @@ def _times(table, origin):
             )
         column = [str(text) for text in table["utc"]]
     with prefixed(origin):
-        return _inputs.seconds_since(_instants.Instant(0.0), column)
+        return _inputs.seconds_since(_instants.J2000, column)
 
 
 def _columns(table, name, names, origin, unit):

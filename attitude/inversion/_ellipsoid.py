@@ -16,6 +16,7 @@ from attitude._compilation.elementary import binary_logarithm
 from attitude._compilation.simd import at_least, at_most, chosen, eight, put_eight, root, summed_up
 from attitude._support import least_squares
 from attitude._support.arrays import distinct, units
+from attitude._support.constants import MAGNITUDES_PER_E
 from attitude._support.least_squares import Near
 from attitude.inversion import _motions
 from attitude.inversion._lattices import Candidate
@@ -40,7 +41,6 @@ PARAMETERS = 10
 # Magnitudes of a factor 2.
 _OF_TWO = -2.5 * math.log10(2.0)
 # Magnitudes of a small relative change, over that change.
-_OF_CHANGE = -2.5 / math.log(10.0)
 _TURN = 2.0 * math.pi
 # Rows are multiplied by fours.
 _FOUR = 4
@@ -183,7 +183,7 @@ def residuals(state, t, sun, observer, y, weight, r, g, rows):
         put_eight(rows, i, (eight(y, i) - _OF_TWO * binary_logarithm(m * over * value)) * w)
         if g.size == 0:
             continue
-        w = _OF_CHANGE * w
+        w = -MAGNITUDES_PER_E * w
         slope = w * slope / value * over * over
         in_m, in_total = w / m, 0.0 - w * over - 2.0 * slope * u * total
         by_p, by_q = in_m * q + in_total, in_m * p + in_total

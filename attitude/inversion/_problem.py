@@ -13,7 +13,7 @@ import numpy as np
 
 from attitude._support import validation
 from attitude._support.arrays import parted, units
-from attitude._support.constants import GAP_OF_NIGHTS_S
+from attitude._support.constants import GAP_OF_NIGHTS_S, OPPOSITION_SURGE_RAD
 from attitude._support.least_squares import Decomposed
 from attitude.errors import AttitudeError
 from attitude.inversion._settings import DEFAULT, Settings, Tally
@@ -272,8 +272,6 @@ _SATURATED = 0.05
 _UNCALIBRATED = 0.15
 # Points of a search; more are averaged.
 MOST_POINTS = 2500
-# Width of the opposition surge, a term of the phase angle.
-_SURGE = np.radians(5.0)
 # Phase angle over which its slope and its curvature count.
 _WIDE = np.radians(50.0)
 # Standard deviation of the curvature over that angle, mag.
@@ -422,7 +420,7 @@ def common_terms(
     if is_known:
         return in_filters
     slope = alpha / _WIDE
-    terms = [slope, np.exp(-alpha / _SURGE), slope**2, 2.0 * t, *in_filters]
+    terms = [slope, np.exp(-alpha / OPPOSITION_SURGE_RAD), slope**2, 2.0 * t, *in_filters]
     if len(in_filters) > 1:
         terms += [slope * in_filter for in_filter in in_filters]
     return terms

@@ -19,6 +19,7 @@ import numpy as np
 
 from attitude._compilation.decorators import reduction, reduction_subroutine, reduction_within
 from attitude._compilation.simd import at_least, chosen, every, put_eight
+from attitude._support.constants import MAGNITUDES_PER_E
 from attitude.errors import AttitudeError
 from attitude.inversion._motions import LANES, three
 from attitude.light_curve._brightness import BLOCK, components, kernel_of, paired, with_phase
@@ -230,7 +231,6 @@ _AXIAL_RATIOS = 0.9
 _AXIAL_MODES = 0.5
 # That of the logarithms of ratios of moments that are given.
 _GIVEN = 0.003
-_MAGNITUDE = -2.5 / math.log(10.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -255,7 +255,7 @@ class BodyLight:
         if not len(self.areas):
             return np.zeros((0, len(self.magnitude) if shares is None else shares.shape[1]))
         # in single precision processors that round otherwise lead a search to other minima
-        parts, slope = self.of_facets, _MAGNITUDE / self.total
+        parts, slope = self.of_facets, -MAGNITUDES_PER_E / self.total
         if shares is None:
             return _by_shape(parts, self.slopes, self.modes) * slope
         parts = summed(parts, shares * slope.reshape(shares.shape))
@@ -311,7 +311,7 @@ def magnitudes(sun: FloatArray, observer: FloatArray, shape: FloatArray) -> Body
     parts = of_facets.reshape(len(_ODD), _OCTANT, -1)[:, :, :count]
     total, across = total[:count], np.ascontiguousarray(turned[:, :count].T)
     modes = len(shape) - ELLIPSOID
-    return BodyLight(_MAGNITUDE * np.log(total), across, modes, area, slopes, parts, total)
+    return BodyLight(-MAGNITUDES_PER_E * np.log(total), across, modes, area, slopes, parts, total)
 
 
 class Priors(NamedTuple):
@@ -595,7 +595,7 @@ def _light(sun, observer, octant, areas, lambert, sums, total, across):
             a2, b2 = a2 + z * (p0 - p1 + p2 + p3), b2 + z * (q0 - q1 + q2 + q3)
         light = at_least(light, 1e-12)
         put_eight(total, i, light)
-        over = _MAGNITUDE / light
+        over = -MAGNITUDES_PER_E / light
         put_eight(slopes, i, over * (a1 * s2 - a2 * s1 + b1 * o2 - b2 * o1))
         put_eight(slopes, i + n, over * (a2 * s0 - a0 * s2 + b2 * o0 - b0 * o2))
         put_eight(slopes, i + 2 * n, over * (a0 * s1 - a1 * s0 + b0 * o1 - b1 * o0))
@@ -643,7 +643,7 @@ class KnownShape:
 
     def magnitudes(self, sun: FloatArray, observer: FloatArray, least: float) -> FloatArray:
         """Magnitudes (...) of the flux, or of `least` where it is smaller."""
-        return _MAGNITUDE * np.log(np.maximum(self.flux(sun, observer), least))
+        return -MAGNITUDES_PER_E * np.log(np.maximum(self.flux(sun, observer), least))
 
     def floor(self, sun: FloatArray, observer: FloatArray) -> float:
         """The least flux that counts, from directions (..., 3) over any axes."""

@@ -36,7 +36,6 @@ if TYPE_CHECKING:
 _NEAR = math.radians(25.0)
 # Difference of frequencies, turns per span, within which they are.
 _RATE = 0.5
-# Days, s, by which epochs of one site are displaced.
 
 
 def relation(

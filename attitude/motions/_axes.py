@@ -173,7 +173,7 @@ def state(
     for end, _, inside in ends(orbit, hi, lo):
         beyond = (inside < 0.0) & (inside >= -_SAME)
         hi, lo = np.where(beyond, end.seconds, hi), np.where(beyond, end.low, lo)
-    position, velocity = orbit.state(_instants.Instant(0.0), hi, lo)
+    position, velocity = orbit.state(_instants.J2000, hi, lo)
     return position, velocity
 
 

@@ -29,7 +29,7 @@ from attitude._support import pairs, validation
 from attitude._support.arrays import Immutable, components_last, frozen
 from attitude._support.validation import unit_vector
 from attitude.epochs import _inputs, _time_scales
-from attitude.epochs._instants import Instant, require
+from attitude.epochs._instants import J2000, Instant, require
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
@@ -525,8 +525,6 @@ class Composed(Path):
 
 # ---- The simplest paths: a point at rest or in uniform motion; and directions without a distance
 
-_J2000 = Instant(0.0)
-
 
 class FrozenArrays(Immutable):
     """The base of dataclasses that make the arrays among their fields read-only."""
@@ -620,7 +618,7 @@ def fixed(
     """
     position = validation.real(position, "position", shape=(3,), unit="m")
     turned = frames.matrix_to_icrf(frame) @ position
-    return Uniform(turned, np.zeros(3), _J2000, known_center(center), name, "fixed point")
+    return Uniform(turned, np.zeros(3), J2000, known_center(center), name, "fixed point")
 
 
 @dataclass(frozen=True, eq=False, repr=False)

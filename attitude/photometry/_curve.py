@@ -15,13 +15,18 @@ import numpy as np
 from attitude import frames
 from attitude._support import markup, quantity_text, validation
 from attitude._support.arrays import Immutable, between, frozen
-from attitude._support.constants import ASTRONOMICAL_UNIT_M, DAY_S, SPEED_OF_LIGHT_M_S
+from attitude._support.constants import (
+    ASTRONOMICAL_UNIT_M,
+    DAY_S,
+    MAGNITUDES_PER_E,
+    SPEED_OF_LIGHT_M_S,
+)
 from attitude._support.quoting import counted, quoted
 from attitude._support.synonyms import arguments
 from attitude._textfiles.atomic_write import written_whole
 from attitude._textfiles.lines import path_text
 from attitude.epochs import _inputs, _instants
-from attitude.epochs._instants import Instant
+from attitude.epochs._instants import J2000, Instant
 from attitude.errors import AttitudeError
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.paths import _composed, _places
@@ -51,9 +56,7 @@ if TYPE_CHECKING:
     Site = Place | str | ArrayLike | Mapping[str, Any]
 
 
-_MAGNITUDE = 2.5 / np.log(10.0)
 _WORDS = ("filter", "site", "session")
-_J2000 = Instant(0.0)
 _AS_GIVEN = ("epoch", "time_of", "unit_distances", "zero_phase", "notes", "name", "zero_points")
 # Latitude of the Sun, deg, as seen from the Earth, at most.
 _ON_ECLIPTIC = 0.1
@@ -407,7 +410,7 @@ class LightCurve(Immutable):
     @property
     def magnitude_sigma(self) -> FloatArray:
         """Errors (N,) of the magnitudes, NaN where they are unknown."""
-        return _MAGNITUDE * self.sigma / np.abs(self.value) if self.is_flux else self.sigma
+        return MAGNITUDES_PER_E * self.sigma / np.abs(self.value) if self.is_flux else self.sigma
 
     @property
     def dimming(self) -> FloatArray:
@@ -641,7 +644,7 @@ class LightCurve(Immutable):
 
 def _seconds(times: Any, epoch: Any) -> tuple[Instant, FloatArray]:
     """The middle of epochs, and seconds (N,) from it."""
-    start = _J2000 if epoch is None else _inputs.instant(epoch)
+    start = J2000 if epoch is None else _inputs.instant(epoch)
     seconds = _inputs.seconds_since(start, times, name="times")
     hi = seconds.hi
     if hi.ndim != 1 or not hi.size or not np.all(np.isfinite(hi)):

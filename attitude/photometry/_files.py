@@ -47,7 +47,7 @@ from attitude._support.quoting import counted, quoted
 from attitude._textfiles import lines as textfiles_lines
 from attitude._textfiles import toml, xml
 from attitude.epochs import _inputs
-from attitude.epochs._instants import Instant
+from attitude.epochs._instants import J2000
 from attitude.errors import AttitudeError, AttitudeWarning
 from attitude.formats.damit_light_curve import read_damit_light_curves
 from attitude.paths import _composed
@@ -566,7 +566,6 @@ _PLACE = (("ra_deg", "ra"), ("dec_deg", "dec"), ("delta", "delta_au"))
 _SKY = (("deg", -360.0, 360.0), ("deg", -90.0, 90.0), ("au", 1e-9, 1e9))
 _AXES = [f"{place}_{axis}" for place in ("sun", "observer") for axis in "xyz"]
 _WIDTH = 10
-_J2000 = Instant(0.0)
 # The first line of `LightCurve.write`: the name of the body.
 _TITLE = re.compile(rf"# (.+): times of (?:{'|'.join(PLACES)})\s")
 _BRACKET = re.compile(r"\s*([\[(])(.*?)[\])]")
@@ -881,12 +880,12 @@ def _numbers(table, key, unit, keywords, name, least=-np.inf, most=np.inf):
 
 def _of_sky(times, ra, dec, delta):
     """Vectors from the body, m, ICRF, from its place in the sky of the Earth's centre."""
-    t = _inputs.seconds_since(_J2000, times).rounded
+    t = _inputs.seconds_since(J2000, times).rounded
     a, d = np.radians(ra), np.radians(dec)
     unit = np.stack([np.cos(d) * np.cos(a), np.cos(d) * np.sin(a), np.sin(d)], axis=-1)
     distance = delta * ASTRONOMICAL_UNIT_M
-    earth = _composed.body("earth", "builtin").position(_J2000, t)
-    sun = _composed.body("sun", "builtin").position(_J2000, t - distance / SPEED_OF_LIGHT_M_S)
+    earth = _composed.body("earth", "builtin").position(J2000, t)
+    sun = _composed.body("sun", "builtin").position(J2000, t - distance / SPEED_OF_LIGHT_M_S)
     return sun - (earth + distance[:, None] * unit), -distance[:, None] * unit
 
 

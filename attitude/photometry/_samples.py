@@ -12,10 +12,10 @@ import numpy as np
 
 from attitude._support import quantity_text, validation
 from attitude._support.arrays import part_of_each
-from attitude._support.constants import GAP_OF_NIGHTS_S
+from attitude._support.constants import GAP_OF_NIGHTS_S, OPPOSITION_SURGE_RAD
 from attitude.catalog import motion_of
 from attitude.epochs import _inputs
-from attitude.epochs._instants import Instant
+from attitude.epochs._instants import J2000, Instant
 from attitude.errors import AttitudeError, AttitudeWarning
 from attitude.motions._motion import Motion
 from attitude.photometry._curve import LightCurve, refuse_small
@@ -49,8 +49,6 @@ _NIGHTS = 5
 _UNIT = re.compile(r"[A-Za-df-z]")
 # Change of the phase angle, rad, from which its terms are fitted.
 _SWEEP = np.radians(2.0)
-# Width of the opposition surge, rad.
-_SURGE = np.radians(5.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -256,7 +254,7 @@ def _phase_terms(curve: LightCurve) -> FloatArray | None:
     if not curve.has_geometry or curve.zero_phase or np.ptp(curve.phase_angle) < _SWEEP:
         return None
     alpha = curve.phase_angle
-    terms = np.stack([alpha, np.exp(-alpha / _SURGE)], axis=1)
+    terms = np.stack([alpha, np.exp(-alpha / OPPOSITION_SURGE_RAD)], axis=1)
     return terms - terms.mean(axis=0)
 
 
@@ -303,7 +301,7 @@ def of(
 def _seconds(t: Any) -> tuple[Instant | None, FloatArray]:
     kind, _, _ = _inputs.entries(t, "t", "epochs")
     if kind in _inputs.LENGTHS:
-        times = np.array(_inputs.seconds_since(Instant(0.0), t)[0], dtype=np.float64)
+        times = np.array(_inputs.seconds_since(J2000, t)[0], dtype=np.float64)
         if not np.all(np.isfinite(times)):
             raise AttitudeError(
                 f"t holds {times[~np.isfinite(times)].flat[0]}; give finite epochs."

@@ -489,7 +489,7 @@ class Scene(Immutable):
         start = self.epoch
         if start is None:
             refuse_plain(times)
-            start = _instants.Instant(0.0)
+            start = _instants.J2000
         hi, lo = _inputs.seconds_since(start, times, low, "times")
         return self.since(start, hi, lo)
 

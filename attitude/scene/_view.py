@@ -18,7 +18,7 @@ from attitude._support.arrays import (
     new_array,
     read_only,
 )
-from attitude._support.constants import SPEED_OF_LIGHT_M_S
+from attitude._support.constants import MAGNITUDES_PER_E, SPEED_OF_LIGHT_M_S
 from attitude._support.pairs import Seconds
 from attitude.epochs import _instants
 from attitude.errors import AttitudeError
@@ -125,7 +125,6 @@ _LEAST_STEP = 1e-5
 # Cells of the sky along a right angle in the table of shadows of a mesh by default.
 _CELLS = 64
 # Magnitudes in a unit of the natural logarithm of brightness.
-_MAGNITUDES = 2.5 / math.log(10.0)
 
 
 def _radius(shape: Ellipsoid | Mesh | None) -> float:
@@ -984,4 +983,4 @@ class View(Immutable):
     def _magnitude_deviations(self, magnitude: FloatArray) -> FloatArray:
         with np.errstate(divide="ignore", invalid="ignore"):
             relative = np.asarray(self.brightness_sigma) / self.brightness
-        return np.where(np.isfinite(magnitude), _MAGNITUDES * relative, np.nan)
+        return np.where(np.isfinite(magnitude), MAGNITUDES_PER_E * relative, np.nan)

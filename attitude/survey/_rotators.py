@@ -47,7 +47,7 @@ from attitude.ensemble._tables import (
     words,
 )
 from attitude.epochs import _time_scales
-from attitude.epochs._instants import Instant
+from attitude.epochs._instants import J2000
 from attitude.errors import AttitudeError
 from attitude.light_curve._magnitudes import mean_brightness
 from attitude.light_curve._sums import intensity
@@ -161,7 +161,7 @@ class Rotators:
         self.ensemble = Ensemble(
             wxyz=states.wxyz,
             angular_velocity=states.angular_velocity,
-            epoch=Instant(0.0),
+            epoch=J2000,
             frame="ecliptic",
             **body,
         )
