@@ -335,11 +335,12 @@ class FieldOnPath:
     def apart(self, instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
         """As `at`, by differences, and kept: means of two strengths ask for the same epochs."""
         key = instant.seconds, instant.low, seconds.tobytes(), low.tobytes()
-        if key not in self._apart:
+        answer = self._apart.get(key)
+        if answer is None:
             if len(self._apart) >= _MOST_ANSWERS:
                 self._apart.clear()
-            self._apart[key] = self._differenced(instant, seconds, low)
-        return self._apart[key]
+            answer = self._apart[key] = self._differenced(instant, seconds, low)
+        return answer
 
     def _differenced(self, instant, seconds, low):
         """The rate by differences of fourth order; inwards at the ends of the path's span."""
@@ -352,14 +353,16 @@ class FieldOnPath:
     def _fitted(self, instant, seconds, low):
         key = instant.seconds, instant.low
         if key not in self._pieces:
-            self._pieces[key] = self._width(instant), {}
+            self._pieces.setdefault(key, (self._width(instant), {}))
         width, known = self._pieces[key]
         number = np.floor(seconds / width)
         wanted, piece = np.unique(number, return_inverse=True)
         first, last = span_of(self._path, instant)
         inside = (wanted * width >= first) & ((wanted + 1.0) * width <= last)
         if len(known) + len(wanted) > _MOST_PIECES:
-            known.clear()
+            # other threads may still read the pieces that were kept
+            known = {}
+            self._pieces[key] = width, known
         missing = [k for k in wanted[inside] if int(k) not in known]
         if missing:
             known |= self._fit(instant, np.array(missing), width)

@@ -121,6 +121,29 @@ def test_fields_along_an_eccentric_orbit(start):
         assert np.max(error / size) < tolerance
 
 
+def test_threads_that_forget_pieces_leave_those_of_others(monkeypatch):
+    """While one thread computes, another one reaches the bound of what is kept."""
+    instant, low = epochs.instant("2024-03-01"), np.zeros(97)
+    seconds = np.linspace(0.0, 6000.0, 97)
+    field = EddyCurrent(1.0, IGRF(), orbit)._on_path
+    expected = field.at(instant, seconds + 3000.0, low)
+
+    class Interrupted(_magnetic.FieldOnPath):
+        def direct(self, *epoch):
+            if not others:
+                others.append(np.linspace(-1e5, -9e4, 97))
+                on_path.at(instant, others[0], low)
+            return super().direct(*epoch)
+
+    others = [None]  # epochs of the other thread
+    on_path = Interrupted(IGRF(), field._path)
+    on_path.at(instant, seconds, low)
+    monkeypatch.setattr(_magnetic, "_MOST_PIECES", 110)
+    others.clear()
+    assert np.array_equal(on_path.at(instant, seconds + 3000.0, low), expected)
+    assert others
+
+
 def test_a_field_with_a_kink_is_not_fitted_there():
     class Kinked(MagneticField):
         is_smooth = True
