@@ -22,7 +22,7 @@ SIDEREAL_DAY_S: Final = 86164.0905
 JD_OF_MJD_0: Final = 2400000.5
 # Modified Julian date of 2000 January 1, 12 h.
 MJD_OF_J2000: Final = 51544.5
-# Magnitudes of a factor e.
+# Magnitudes of a factor e, and of a small relative change over that change.
 MAGNITUDES_PER_E: Final = 2.5 / math.log(10.0)
 # Width of the opposition surge, rad, where light curves fit its height alone.
 OPPOSITION_SURGE_RAD: Final = math.radians(5.0)

@@ -303,7 +303,7 @@ def tensor_numbers(x: FloatArray, points: FloatArray, gamma: FloatArray) -> Floa
     along = np.sum(points * over, axis=1)
     out[:, 6] = -0.5 * np.sum(points * straight, axis=1)
     out[:, 7] = 0.5 * (along - trace)
-    out[:, 8] = 0.0
+    out[:, 8] = 0.0  # by T' l: e_ijk (X l)_j is antisymmetric
     out[:, 9] = along
     return out
 

@@ -246,6 +246,7 @@ def _cut(records: Records) -> list[Records]:
     return parts
 
 
+# Records of a file that a tolerance may ask for.
 MOST_RECORDS = 20_000_000
 # Error of the first step, in tolerances.
 _MARGIN = 0.25

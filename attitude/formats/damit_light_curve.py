@@ -194,8 +194,8 @@ def from_positions(
     AttitudeError
         As `DamitLightCurve`, and for epochs that cannot be read.
     """
-    hi, lo = _inputs.seconds_since(_instants.Instant(0.0), t)
-    instants = _instants.times(_instants.Instant(0.0), np.atleast_1d(hi), lo)
+    hi, lo = _inputs.seconds_since(_instants.J2000, t)
+    instants = _instants.times(_instants.J2000, np.atleast_1d(hi), lo)
     dates = getattr(instants, _astropy_scale(time_system))
     turn = frames.matrix_to_icrf("ecliptic").T @ frames.matrix_to_icrf(frame)
     to_sun, to_earth = (

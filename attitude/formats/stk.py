@@ -30,7 +30,7 @@ from attitude._support.constants import DAY_S
 from attitude._textfiles.atomic_write import require_writable, written_whole
 from attitude._textfiles.lines import is_number, opened, text_of_rows
 from attitude.epochs import _time_scales
-from attitude.epochs._instants import Instant
+from attitude.epochs._instants import J2000, Instant
 from attitude.errors import AttitudeError
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats import _sampling
@@ -527,7 +527,7 @@ class _Records(Rows):
                 seconds = (hi - self._origin[0]) + (lo - self._origin[1])
                 values = self._header.decoder.columns(seconds, values)
                 if self._header.section.form == "vector":
-                    values = _pointed(values, self.axes, Instant(0.0), hi, lo, self._orbit)
+                    values = _pointed(values, self.axes, J2000, hi, lo, self._orbit)
         except AttitudeError as err:
             raise self.fault(f"in the records from here on, {err}", lines[0]) from err
         self.add_times(hi, lo, values, lines)
@@ -702,7 +702,7 @@ def _whole_second(records):
     """ScenarioEpoch (a whole second) as text, and a function: history -> seconds of TAI since."""
     seconds, low = records.first_and_last()
     hi, lo = pairs.add((seconds[0], low[0]), records.epoch.seconds, records.epoch.low)
-    text = ccsds_epochs.texts(Instant(0.0), np.array([hi]), np.array([lo]), "utc", 12)[0]
+    text = ccsds_epochs.texts(J2000, np.array([hi]), np.array([lo]), "utc", 12)[0]
     text = text.partition(".")[0]
     whole = ccsds_epochs.instant(text, "utc")
     tai0 = _tai_of(np.float64(whole.seconds), np.float64(whole.low))

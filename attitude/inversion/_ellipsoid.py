@@ -40,7 +40,6 @@ if TYPE_CHECKING:
 PARAMETERS = 10
 # Magnitudes of a factor 2.
 _OF_TWO = -2.5 * math.log10(2.0)
-# Magnitudes of a small relative change, over that change.
 _TURN = 2.0 * math.pi
 # Rows are multiplied by fours.
 _FOUR = 4

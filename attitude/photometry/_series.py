@@ -15,7 +15,7 @@ from attitude._support import validation
 from attitude._support.arrays import Immutable, frozen
 from attitude._support.quoting import counted
 from attitude.epochs import _inputs
-from attitude.epochs._instants import Instant
+from attitude.epochs._instants import J2000, Instant
 from attitude.errors import AttitudeError, AttitudeWarning
 from attitude.photometry import _samples, _spectrum
 from attitude.photometry._samples import Line, frequencies_of, known_orders, line_at
@@ -76,7 +76,7 @@ class SeriesFit(Immutable):
 
     def __call__(self, t: Epochs, curve: ArrayLike = 0) -> FloatArray:
         """The model at epochs t, with the constant term of a curve (a number, or one per t)."""
-        seconds = _inputs.seconds_since(self.epoch or Instant(0.0), t).rounded
+        seconds = _inputs.seconds_since(self.epoch or J2000, t).rounded
         curves = np.asarray(curve)
         if not (
             curves.dtype.kind in "iu"

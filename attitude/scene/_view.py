@@ -124,7 +124,6 @@ _LEAST_TURN = 1e-13
 _LEAST_STEP = 1e-5
 # Cells of the sky along a right angle in the table of shadows of a mesh by default.
 _CELLS = 64
-# Magnitudes in a unit of the natural logarithm of brightness.
 
 
 def _radius(shape: Ellipsoid | Mesh | None) -> float:

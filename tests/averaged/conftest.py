@@ -1,13 +1,11 @@
-"""Tables of averaged torques are kept on the disk for all tests here: many ask for the same ones.
-
-A table that is read is the one that was computed, bit for bit, so that both are tested.
-"""
+"""Tables of averaged torques are kept on the disk while the tests of this folder run."""
 
 import pytest
 
 
-@pytest.fixture(autouse=True, scope="session")
+@pytest.fixture(autouse=True, scope="package")
 def _kept_tables(tmp_path_factory):
+    """Many tests ask for the same tables; those of other folders compute theirs each time."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("ATTITUDE_CACHE", str(tmp_path_factory.mktemp("tables")))
         yield
