@@ -8,7 +8,14 @@ from hypothesis import given, settings
 from mpmath import mp, mpf
 
 from tests.support import states
-from tests.support.oracle import Oracle, multiply, rate_error, rotation_error, two_floats
+from tests.support.oracle import (
+    Oracle,
+    carlson_rj,
+    multiply,
+    rate_error,
+    rotation_error,
+    two_floats,
+)
 
 PROMISE = 1e-38  # rad and relative rate: the default 40 digits of the oracle, less two
 
@@ -239,6 +246,21 @@ def test_epoch_in_two_parts():
     whole = oracle.at(mp.fadd(t, low, exact=True))
     assert oracle.at(t, low) == oracle.at((t, low)) == whole
     assert oracle.at(t) != whole
+
+
+@pytest.mark.parametrize("digits", [15, 40, 300])
+def test_integrals_of_balls_are_those_of_mpmath(digits):
+    """R_J(x, y, 1, p), complete and not, of thin and of flat bodies, next to a separatrix."""
+    pytest.importorskip("flint", reason="without python-flint they are mpmath's")
+    with mp.workdps(digits):
+        for x in ("0", "1e-80", "0.3", "1"):
+            for y in ("1e-70", "0.02", "1"):
+                for p in ("1e-9", "0.7", "1", "1e30"):
+                    x, y, p = mpf(x), mpf(y), mpf(p)
+                    found = carlson_rj(x, y, p)
+                    with mp.extradps(15):
+                        exact = mp.elliprj(x, y, 1, p)
+                    assert abs(found / exact - 1) < 2 * mp.eps
 
 
 def test_errors_are_angles_and_ratios():
