@@ -302,8 +302,18 @@ def _tried(body, plan, torques, times, state, beside, paired, addresses, held, p
                 two = two[0], beside if paired else two[0]
                 begin, stop, samples, second = middle, end, 2 * n + 1, OTHER if paired else ALONE
             two, known, outcome, when = two_steps(
-                *(body, plan, torques, two, second, ((begin, stop), (t, end)), (half, h)),
-                *((first + samples * row, first), row, work, known, pieces),
+                body,
+                plan,
+                torques,
+                two,
+                second,
+                ((begin, stop), (t, end)),
+                (half, h),
+                (first + samples * row, first),
+                row,
+                work,
+                known,
+                pieces,
             )
             if outcome != layout.FINE:
                 break

@@ -355,8 +355,12 @@ def _with_products(v, sums):
     x, y, z = v
     xx, xy, yy, xz, yz, zz = sums
     return (
-        *(fma(x, x, xx), fma(x, y, xy), fma(y, y, yy)),
-        *(fma(x, z, xz), fma(y, z, yz), fma(z, z, zz)),
+        fma(x, x, xx),
+        fma(x, y, xy),
+        fma(y, y, yy),
+        fma(x, z, xz),
+        fma(y, z, yz),
+        fma(z, z, zz),
     )
 
 
@@ -378,9 +382,15 @@ def places_of_rows(first, length):
     """The places of nine rows that follow each other, from an epoch on."""
     second, third = first + 3 * length, first + 6 * length
     return (
-        *(first, first + length, first + 2 * length),
-        *(second, second + length, second + 2 * length),
-        *(third, third + length, third + 2 * length),
+        first,
+        first + length,
+        first + 2 * length,
+        second,
+        second + length,
+        second + 2 * length,
+        third,
+        third + length,
+        third + 2 * length,
     )
 
 

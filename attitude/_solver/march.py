@@ -85,8 +85,17 @@ def revisit(c, scheme, models, states, starts, h, place, steps, parts, at_kicks,
             last += 1
         kicks_of = samples + at * at_kicks.shape[1] * row, inner + first * (n + 1) * row, row, work
         _, fault, when, turn = _walked(
-            *(body, plan, torques, loaded(states[at]), starts[at], h, 0, kicks_of),
-            *(steps[first:last], parts[first:last], out[first:last]),
+            body,
+            plan,
+            torques,
+            loaded(states[at]),
+            starts[at],
+            h,
+            0,
+            kicks_of,
+            steps[first:last],
+            parts[first:last],
+            out[first:last],
         )
         if fault != layout.FINE:
             return fault, when, turn
@@ -217,8 +226,17 @@ def march_members(c, scheme, models, states, start, h, steps, number, parts, at_
     for m in range(len(states)):
         body, torques = body_of(c[m if len(c) > 1 else 0]), torques_of(models[m % len(models)])
         now, fault, when, turn = _walked(
-            *(body, plan, torques, loaded(states[m]), start, h, steps, kicks_of),
-            *(number, parts, out[m]),
+            body,
+            plan,
+            torques,
+            loaded(states[m]),
+            start,
+            h,
+            steps,
+            kicks_of,
+            number,
+            parts,
+            out[m],
         )
         if fault != layout.FINE:
             return fault, when, turn, m

@@ -430,12 +430,16 @@ _store_uniform_sums = _storing_sums("_store_uniform_sums", *_OF_UNIFORM, False)
 
 _UNIFORM = codes.UNIFORM, uniform_block, no_fill, no_fill
 _TRIGONOMETRIC = (
-    *(codes.TRIGONOMETRIC, trigonometric_block),
-    *(trigonometric_attitudes_block, trigonometric_rates_block),
+    codes.TRIGONOMETRIC,
+    trigonometric_block,
+    trigonometric_attitudes_block,
+    trigonometric_rates_block,
 )
 _HYPERBOLIC = (
-    *(codes.HYPERBOLIC, hyperbolic_block),
-    *(hyperbolic_attitudes_block, hyperbolic_rates_block),
+    codes.HYPERBOLIC,
+    hyperbolic_block,
+    hyperbolic_attitudes_block,
+    hyperbolic_rates_block,
 )
 _COLUMNS = _has_columns, epochs_again, _store_columns
 _SUMS = _has_sums, _again_for_sums, _store_sums
