@@ -10,6 +10,7 @@ from scipy.integrate import solve_ivp
 
 from attitude import Body, FreeRotation, Mode, Spin, propagate
 from tests.support.measure import error_of
+from tests.support.torqued import cross
 
 TOLERANCE = 2e-10  # rad, and relative to the largest rate: the integrator's, with a margin
 WXYZ = np.array([0.5, -0.1, 0.7, 0.5]) / np.linalg.norm([0.5, -0.1, 0.7, 0.5])
@@ -23,7 +24,7 @@ def integrate(tensor, wxyz0, omega0, t):
         (w, x, y_, z), (p, q, r) = y[:4], y[4:]
         turning = (-x * p - y_ * q - z * r, w * p + y_ * r - z * q)
         turning += (w * q + z * p - x * r, w * r + x * q - y_ * p)
-        return (*(0.5 * each for each in turning), *(inverse @ np.cross(tensor @ y[4:], y[4:])))
+        return (*(0.5 * each for each in turning), *(inverse @ cross(tensor @ y[4:], y[4:])))
 
     start = np.concatenate([wxyz0, omega0])
     scale = np.concatenate([np.ones(4), np.full(3, np.linalg.norm(omega0))])

@@ -18,6 +18,7 @@ from attitude.torques import (
     LinearDamping,
     SolarRadiation,
 )
+from tests.support.torqued import cross
 
 COUNT = 50
 AU = 149597870700.0
@@ -46,7 +47,7 @@ class Case(NamedTuple):
         """The derivative of (wxyz, omega), for integrators of other kinds."""
         q, w = y[:4] / np.sqrt(y[:4] @ y[:4]), y[4:]
         momentum = self.body.tensor @ w
-        torque = np.array(self.torques[0].function(t, q, w)) - np.cross(w, momentum)
+        torque = np.array(self.torques[0].function(t, q, w)) - cross(w, momentum)
         rate = 0.5 * quaternion.multiply(q, np.append(0.0, w))
         return np.concatenate([rate, np.linalg.solve(self.body.tensor, torque)])
 

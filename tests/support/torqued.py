@@ -8,12 +8,18 @@ from attitude.frames import quaternion
 from attitude.splitting import TorquedRotation
 
 
+def cross(a, b):
+    """The product a x b of two vectors (3,), which numpy's function takes ten times as long for."""
+    (ax, ay, az), (bx, by, bz) = np.asarray(a).tolist(), np.asarray(b).tolist()
+    return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
+
+
 def dop853(torque, body, spin, span, rtol=1e-12, atol=1e-14):
     """Attitude (4,) and angular velocity (3,) after a span under torque(t, wxyz, omega)."""
 
     def slope(t, y):
         wxyz = y[:4] / np.sqrt(y[:4] @ y[:4])
-        moment = torque(t, wxyz, y[4:]) - np.cross(y[4:], body.tensor @ y[4:])
+        moment = torque(t, wxyz, y[4:]) - cross(y[4:], body.tensor @ y[4:])
         rate = np.linalg.solve(body.tensor, moment)
         return np.concatenate([0.5 * quaternion.multiply(wxyz, np.append(0.0, y[4:])), rate])
 

@@ -16,6 +16,7 @@ from attitude.torques._triggers import AxisCrossesDirection, PointMeetsPlane
 from tests.support import states
 from tests.support.frames import definition
 from tests.support.oracle import Oracle, conjugate, multiply, rate_error, rotation_error
+from tests.support.torqued import cross
 
 # The attitude of a free rotation errs by at most this (docs of FreeRotation), rad.
 FREE = 4e-15
@@ -409,9 +410,9 @@ def test_impulses_under_torques_follow_an_integrator():
             q, w = y[:4] / np.linalg.norm(y[:4]), y[4:]
             r = quaternion.matrix(q).T @ on_circle(t)
             size = np.linalg.norm(r)
-            torque = 3.0 * GM / size**5 * np.cross(r, moments * r) + thruster(t, q, w)
+            torque = 3.0 * GM / size**5 * cross(r, moments * r) + thruster(t, q, w)
             rate = 0.5 * np.array(quaternion.multiply(y[:4], [0.0, *w]))
-            return np.concatenate([rate, (torque - np.cross(w, moments * w)) / moments])
+            return np.concatenate([rate, (torque - cross(w, moments * w)) / moments])
 
         return value
 

@@ -18,6 +18,7 @@ from attitude.torques import (
     InternalDissipation,
     LinearDamping,
 )
+from tests.support.torqued import cross
 
 TENSOR = np.array([[10.0, 1.0, 0.5], [1.0, 20.0, 2.0], [0.5, 2.0, 26.0]])
 BODY = Body(tensor=TENSOR)
@@ -48,7 +49,7 @@ def solved(change, torque, span):
         tensor = TENSOR + change(np.array([t]))[0]
         ends = change(np.array([t - 2 * h, t - h, t + h, t + 2 * h]))
         rate = (ends[0] - 8.0 * ends[1] + 8.0 * ends[2] - ends[3]) / (12.0 * h)
-        moment = torque(t, y[:4]) - rate @ omega - np.cross(omega, tensor @ omega)
+        moment = torque(t, y[:4]) - rate @ omega - cross(omega, tensor @ omega)
         wxyz = 0.5 * quaternion.multiply(y[:4], np.append(0.0, omega))
         return np.concatenate([wxyz, np.linalg.solve(tensor, moment)])
 

@@ -17,7 +17,7 @@ from attitude.torques import (
     MagneticField,
     _magnetic,
 )
-from tests.support.torqued import angle, dop853, torque_at_start, turns_by_rates
+from tests.support.torqued import angle, cross, dop853, torque_at_start, turns_by_rates
 
 TENSOR = np.array([[20.0, 1.0, 0.5], [1.0, 24.0, 2.0], [0.5, 2.0, 30.0]])
 BODY = Body(tensor=TENSOR)
@@ -238,7 +238,7 @@ def test_igrf_of_one_epoch():
 def eddy(wxyz, omega, field, rate):
     turn = quaternion.matrix(wxyz).T
     b = turn @ field
-    return np.cross(CURRENTS @ (np.cross(omega, b) - turn @ rate), b)
+    return cross(CURRENTS @ (cross(omega, b) - turn @ rate), b)
 
 
 def test_eddy_currents_by_their_formula():
@@ -322,7 +322,7 @@ def test_a_dipole_against_dop853_by_a_scheme_with_slopes():
     moment = np.array([30.0, -200.0, 100.0])
 
     def torque(t, wxyz, omega):
-        return np.cross(moment, quaternion.matrix(wxyz).T @ dipole(orbit(t)))
+        return cross(moment, quaternion.matrix(wxyz).T @ dipole(orbit(t)))
 
     motion = TorquedRotation(
         BODY, SPIN, MagneticDipole(moment, EARTH, orbit), step=0.2, scheme="force-gradient"
@@ -355,7 +355,7 @@ def test_air_against_dop853():
         r, v = orbit(t), (orbit(t + 0.05) - orbit(t - 0.05)) / 0.1
         # third row of ERFA's pnm06a of that date
         pole = np.array([0.00233917, 3.80955e-5, 0.999997263])
-        flow = quaternion.matrix(wxyz).T @ (np.cross(7.292115e-5 * pole, r) - v)
+        flow = quaternion.matrix(wxyz).T @ (cross(7.292115e-5 * pole, r) - v)
         areas, normals, arms = facets
         push = density * areas * np.maximum(-normals @ flow, 0.0)
         return np.sum(np.cross(arms, push[:, None] * flow), axis=0)

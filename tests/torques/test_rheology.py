@@ -8,7 +8,7 @@ from attitude import AttitudeError, Body, FreeRotation, Spin
 from attitude.frames import quaternion
 from attitude.splitting import TorquedRotation
 from attitude.torques import InternalDissipation, Maxwell, QualityFactor, Rheology, _rheology
-from tests.support.torqued import torque_at_start
+from tests.support.torqued import cross, torque_at_start
 
 AXES = np.array([1.0, 0.8, 0.6])
 DENSITY = 2000.0
@@ -186,9 +186,9 @@ def test_a_rheology_against_dop853():
         omega = np.linalg.solve(tensor, along)
         p = (omega @ along / size**2 - 1.0 / high) / (1.0 / low - 1.0 / high)
         strength = float(np.interp(p, nodes, strengths))
-        rate = omega + strength * np.cross(along / size, omega)
+        rate = omega + strength * cross(along / size, omega)
         turning = 0.5 * quaternion.multiply(wxyz, np.append(0.0, rate))
-        return np.concatenate([turning, np.cross(along, rate)])
+        return np.concatenate([turning, cross(along, rate)])
 
     start = np.concatenate([spin.wxyz, momentum])
     end = solve_ivp(slope, (0.0, 300.0), start, method="DOP853", rtol=1e-8, atol=1e-10).y[:, -1]

@@ -52,18 +52,20 @@ def by_rays(mesh, sun, diffuse=1.0):
     one, two = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     across = np.cross(sun, two)
     det = np.einsum("fi,fi->f", one, across)
+    one_sun, one_two = np.cross(one, sun), np.cross(one, two)
+    first_across, first_one_sun, first_one_two = (
+        np.einsum("fi,fi->f", corners[:, 0], normal) for normal in (across, one_sun, one_two)
+    )
     total = np.zeros(3)
     for k in np.flatnonzero(mesh.normals @ sun > 0.0):
-        lit = 0
-        for place in weights @ corners[k]:
-            with np.errstate(divide="ignore", invalid="ignore"):
-                start = place - corners[:, 0]
-                a = np.einsum("fi,fi->f", start, across) / det
-                normal = np.cross(start, one)
-                b = normal @ sun / det
-                ahead = np.einsum("fi,fi->f", two, normal) / det
-            met = (np.abs(det) > 1e-12) & (a >= 0) & (b >= 0) & (a + b <= 1) & (ahead > 1e-9)
-            lit += not np.any(met)
+        # place p less a corner c, by triple products: (p - c) . n = p . n - c . n
+        places = weights @ corners[k]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            a = (places @ across.T - first_across) / det
+            b = (places @ one_sun.T - first_one_sun) / det
+            ahead = (places @ one_two.T - first_one_two) / det
+        met = (np.abs(det) > 1e-12) & (a >= 0) & (b >= 0) & (a + b <= 1) & (ahead > 1e-9)
+        lit = np.count_nonzero(~np.any(met, axis=1))
         cosine = mesh.normals[k] @ sun
         push = -PRESSURE * mesh.areas[k] * cosine * (sun + 2 / 3 * diffuse * mesh.normals[k])
         total += lit / 16 * np.cross(mesh.centroids[k] - BODY.center_of_mass, push)

@@ -22,7 +22,7 @@ from attitude.torques import (
     SolarRadiation,
 )
 from attitude.torques._torqued import TorquedRotation
-from tests.support.torqued import torque_at_start
+from tests.support.torqued import cross, torque_at_start
 
 TENSOR = np.array([[20.0, 1.0, 0.5], [1.0, 24.0, 2.0], [0.5, 2.0, 30.0]])
 BODY = Body(tensor=TENSOR)
@@ -38,7 +38,7 @@ def still(seconds):
 def gravity_gradient(wxyz):
     r = np.sqrt(PLACE @ PLACE)
     u = quaternion.matrix(wxyz).T @ PLACE / r
-    return 3.0 * MU / r**3 * np.cross(u, TENSOR @ u)
+    return 3.0 * MU / r**3 * cross(u, TENSOR @ u)
 
 
 def test_gravity_gradient_by_its_formula():
