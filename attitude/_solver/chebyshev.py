@@ -29,6 +29,8 @@ from attitude._compilation.simd import (
 from attitude._solver.twofloat import two_sum
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
     from numpy.typing import ArrayLike, NDArray
 
     from attitude._support.annotations import FloatArray
@@ -78,6 +80,30 @@ def _clenshaw(table, piece, x):
         new += table[order].take(piece, axis=-1)
         before, last = last, new
     return last * x - before + table[0].take(piece, axis=-1)
+
+
+class KeptPieces(dict[Any, Any]):
+    """Pieces by key, fitted when they are asked for first; full, with `most`, it is cleared."""
+
+    def __init__(self, most: int) -> None:
+        super().__init__()
+        self.most = most
+
+    def of(self, keys: list[Any], fitted: Callable[[list[Any]], Iterable[Any]]) -> list[Any]:
+        """The pieces of some keys; `fitted(missing)` makes those that are not kept.
+
+        Pieces fitted with others have other last bits: those that a thread stored first are used.
+        """
+        have = {key: self.get(key) for key in keys}
+        missing = [key for key, piece in have.items() if piece is None]
+        if missing:
+            new = dict(zip(missing, fitted(missing), strict=True))
+            if len(self) + len(new) > self.most:
+                self.clear()
+            if len(new) <= self.most:
+                new = {key: self.setdefault(key, piece) for key, piece in new.items()}
+            have.update(new)
+        return [have[key] for key in keys]
 
 
 # ---- Compiled evaluation of piecewise Chebyshev polynomials of time, for vectors of three

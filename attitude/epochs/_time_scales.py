@@ -62,9 +62,8 @@ _COMMON_EPOCH = -8400.5 * DAY_S + TT_MINUS_TAI
 # over 1900-2100, and 5e-15 s over 1000-3000, where the date itself rounds to 3e-15 s.
 _PIECE = 16.0
 _NODES = 17
-# Upper bound of the pieces in the cache, 0.7 MB: 180 years.  A full cache is cleared.
-_MOST_PIECES = 4096
-_pieces: dict[int, FloatArray] = {}
+# Records by number of the piece; 4096 are 0.7 MB and 180 years.
+_pieces = chebyshev.KeptPieces(4096)
 
 
 def seconds_from_days(days: Doubles, more: Doubles) -> Pair:
@@ -330,24 +329,7 @@ def _fitted(numbers):
         return np.ascontiguousarray(table.T)
 
     keys = numbers.astype(np.int64).tolist()
-    return np.ascontiguousarray(np.array(known_pieces(_pieces, keys, fitted)).T)
-
-
-def known_pieces(cache: dict[Any, Any], keys: list[Any], fitted: Callable[..., Any]) -> list[Any]:
-    """The pieces of some keys; `fitted(missing)` makes those that a cache does not hold.
-
-    Pieces fitted with others have other last bits: those that a thread stored first are used.
-    """
-    have = {key: cache.get(key) for key in keys}
-    missing = [key for key, piece in have.items() if piece is None]
-    if missing:
-        new = dict(zip(missing, fitted(missing), strict=True))
-        if len(cache) + len(new) > _MOST_PIECES:
-            cache.clear()
-        if len(new) <= _MOST_PIECES:
-            new = {key: cache.setdefault(key, piece) for key, piece in new.items()}
-        have.update(new)
-    return [have[key] for key in keys]
+    return np.ascontiguousarray(np.array(_pieces.of(keys, fitted)).T)
 
 
 @lru_cache(maxsize=1)

@@ -40,8 +40,8 @@ if TYPE_CHECKING:
 # Two days and 10 nodes: 1e-15 rad from the series themselves, 7e-9 m at the Earth's surface.
 _WIDTH = 2.0 * DAY_S
 _COUNT = 10
-# Records by series and number of the two days.
-_pieces: dict[tuple[Series, int], FloatArray] = {}
+# Records by series and number of the two days; 4096 are 1 MB and 22 years.
+_pieces = chebyshev.KeptPieces(4096)
 
 
 def pole_at(series: Series, hi: FloatArray, lo: FloatArray) -> FloatArray:
@@ -71,7 +71,7 @@ def _fitted(series, numbers):
         return np.ascontiguousarray(table.transpose(1, 2, 0)).reshape(len(missing), -1)
 
     keys = [(series, int(number)) for number in numbers]
-    return np.array(_time_scales.known_pieces(_pieces, keys, fitted)).reshape(len(keys), 3 * _COUNT)
+    return np.array(_pieces.of(keys, fitted)).reshape(len(keys), 3 * _COUNT)
 
 
 def to_gcrs(x: FloatArray, y: FloatArray, angle: FloatArray, vectors: FloatArray) -> FloatArray:

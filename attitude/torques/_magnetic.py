@@ -315,9 +315,9 @@ class FieldOnPath:
     def __init__(self, field: MagneticField, path: Path) -> None:
         self._field, self._path = field, path
         # Instant -> width of a piece, and the pieces by number
-        self._pieces: dict[tuple[float, float], tuple[float, dict[int, FloatArray]]] = {}
+        self._pieces: dict[tuple[float, float], tuple[float, chebyshev.KeptPieces]] = {}
         # Instant, epochs -> answer of `apart`
-        self._apart: dict[tuple[float, float, bytes, bytes], FloatArray] = {}
+        self._apart = chebyshev.KeptPieces(_MOST_ANSWERS)
 
     def direct(self, instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
         """The field (K, 3) in T, ICRF axes."""
@@ -335,12 +335,7 @@ class FieldOnPath:
     def apart(self, instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
         """As `at`, by differences, and kept: means of two strengths ask for the same epochs."""
         key = instant.seconds, instant.low, seconds.tobytes(), low.tobytes()
-        answer = self._apart.get(key)
-        if answer is None:
-            if len(self._apart) >= _MOST_ANSWERS:
-                self._apart.clear()
-            answer = self._apart[key] = self._differenced(instant, seconds, low)
-        return answer
+        return self._apart.of([key], lambda _: [self._differenced(instant, seconds, low)])[0]
 
     def _differenced(self, instant, seconds, low):
         """The rate by differences of fourth order; inwards at the ends of the path's span."""
@@ -353,23 +348,18 @@ class FieldOnPath:
     def _fitted(self, instant, seconds, low):
         key = instant.seconds, instant.low
         if key not in self._pieces:
-            self._pieces.setdefault(key, (self._width(instant), {}))
+            pieces = chebyshev.KeptPieces(_MOST_PIECES)
+            self._pieces.setdefault(key, (self._width(instant), pieces))
         width, known = self._pieces[key]
         number = np.floor(seconds / width)
         wanted, piece = np.unique(number, return_inverse=True)
         first, last = span_of(self._path, instant)
         inside = (wanted * width >= first) & ((wanted + 1.0) * width <= last)
-        if len(known) + len(wanted) > _MOST_PIECES:
-            # other threads may still read the pieces that were kept
-            known = {}
-            self._pieces[key] = width, known
-        missing = [k for k in wanted[inside] if int(k) not in known]
-        if missing:
-            known |= self._fit(instant, np.array(missing), width)
+        fitted = known.of(wanted[inside].tolist(), lambda new: self._fit(instant, new, width))
         # each piece is so many equal parts, a row of coefficients each; none where nothing fits
-        tables = [
-            known[int(k)] if within else _NOTHING for k, within in zip(wanted, inside, strict=True)
-        ]
+        tables = [_NOTHING] * len(wanted)
+        for k, table in zip(np.flatnonzero(inside), fitted, strict=True):
+            tables[k] = table
         parts = np.array([len(table) for table in tables])
         out = np.empty((len(seconds), 6))
         outside = parts[piece] == 0
@@ -390,9 +380,10 @@ class FieldOnPath:
         return out
 
     def _fit(self, instant, numbers, width):
-        """Coefficients (parts, 3 count) by number of the piece; no part where nothing fits."""
+        """Coefficients (parts, 3 count) of numbered pieces; no part where nothing fits."""
         x = chebyshev.nodes(_COUNT)
-        tables, before = {}, np.full(len(numbers), np.inf)
+        tables, before = dict.fromkeys(numbers, _NOTHING), np.full(len(numbers), np.inf)
+        numbers = np.array(numbers)
         for halving in range(_HALVINGS + 1):
             parts = 1 << halving
             starts = numbers[:, None] + np.arange(parts) / parts
@@ -403,15 +394,13 @@ class FieldOnPath:
             tail = np.max(np.abs(table[..., -2:]).max(axis=(2, 3)) / size, axis=1)
             fits = tail <= _TAIL
             for k, rows in zip(numbers[fits], table[fits], strict=True):
-                tables[int(k)] = np.ascontiguousarray(rows).reshape(parts, -1)
+                tables[k] = np.ascontiguousarray(rows).reshape(parts, -1)
             # a kink, or rounding of the path, is not resolved by halving
-            rough = ~fits & (tail > _SHRINKS * before)
-            tables |= {int(k): _NOTHING for k in numbers[rough]}
-            kept = ~fits & ~rough
+            kept = ~fits & ~(tail > _SHRINKS * before)
             numbers, before = numbers[kept], tail[kept]
             if not numbers.size:
                 break
-        return tables | {int(k): _NOTHING for k in numbers}
+        return tables.values()
 
     def _width(self, instant):
         """Seconds in which the direction of the path, or the Earth, turns by `_TURN`."""

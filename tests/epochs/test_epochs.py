@@ -37,14 +37,14 @@ ASTROPY = 3e-11
 
 @pytest.fixture
 def fresh_pieces(monkeypatch):
-    monkeypatch.setattr(_time_scales, "_pieces", {})
+    monkeypatch.setattr(_time_scales, "_pieces", chebyshev.KeptPieces(4096))
 
 
 @pytest.fixture
 def series_epochs(monkeypatch):
     """The numbers of epochs that ERFA's series is summed for, call by call."""
     sizes, original = [], erfa.dtdb
-    monkeypatch.setattr(_time_scales, "_pieces", {})
+    monkeypatch.setattr(_time_scales, "_pieces", chebyshev.KeptPieces(4096))
 
     def counted(date1, date2, *others):
         sizes.append(np.size(date2))
@@ -429,7 +429,7 @@ def test_nan_leaves_the_others_alone(fresh_pieces):
 
 
 def test_the_cache_is_bounded(fresh_pieces, monkeypatch):
-    monkeypatch.setattr(_time_scales, "_MOST_PIECES", 5)
+    monkeypatch.setattr(_time_scales._pieces, "most", 5)
     for start in range(0, 400, 50):
         days = np.linspace(start, start + 50.0, 300)
         difference = _time_scales.tdb_minus_tt(2451545.0, days)

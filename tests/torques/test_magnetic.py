@@ -138,7 +138,8 @@ def test_threads_that_forget_pieces_leave_those_of_others(monkeypatch):
     others = [None]  # epochs of the other thread
     on_path = Interrupted(IGRF(), field._path)
     on_path.at(instant, seconds, low)
-    monkeypatch.setattr(_magnetic, "_MOST_PIECES", 110)
+    for _, pieces in on_path._pieces.values():
+        monkeypatch.setattr(pieces, "most", 110)
     others.clear()
     assert np.array_equal(on_path.at(instant, seconds + 3000.0, low), expected)
     assert others
