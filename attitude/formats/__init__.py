@@ -13,13 +13,12 @@ tables              astropy QTable, ECSV, FITS, CSV, parquet
 detect              any of these by content or ending: `read`, `opened`, `write`, `write_motion`
 
 _aem_message        an AEM or CIC file: keywords, records of segments, read and to be written
-_attitude_types     attitude types of CCSDS messages: their columns and rates
 _ccsds_epochs       time codes of CCSDS messages
 _messages           units, epochs, axes, sequences and inertia of CCSDS attitude messages
 _ck_files           files, clock and records of C-kernels; SPICE's pool
 _recipes            settings of writers for a tool that shall read the file
 _format             `Format`, the contract of a format, and the registry of formats
-_records            rows of a file to an AttitudeTable, and a history to rows
+_records            types of attitudes; rows of a file to an AttitudeTable, a history to rows
 _surface            sections [shape], [scattering], [magnitude] of spin and mission files
 _sampling           a motion to records within a tolerance; what a writer is given, as segments
 """

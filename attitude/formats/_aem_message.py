@@ -7,7 +7,7 @@ flag of quality.  The quaternion and the rates are read.
 
 Keywords and elements of XML are those of CCSDS 504.0-B-1 with 505.0-B-1 and 505.0-B-2 (section
 4.8) for version 1.0, and of CCSDS 504.0-B-2 (section 7) with 505.0-B-3 for version 2.0.  For the
-conventions see `_attitude_types`.
+conventions see `_records`.
 """
 
 from __future__ import annotations
@@ -30,11 +30,18 @@ from attitude._textfiles.messages import (
 )
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
-from attitude.formats import _attitude_types, _messages, _recipes
 from attitude.formats import _ccsds_epochs as ccsds_epochs
-from attitude.formats._attitude_types import ANGLES, ANGVEL, Q_DOT
+from attitude.formats import _messages, _recipes, _records
 from attitude.formats._messages import GROUPS, HEADER, VERSIONS, written_body, written_names
-from attitude.formats._records import TOLERANCE, Rows, columns_of, known_tolerance
+from attitude.formats._records import (
+    ANGLES,
+    ANGVEL,
+    Q_DOT,
+    TOLERANCE,
+    Rows,
+    columns_of,
+    known_tolerance,
+)
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from attitude.motions import _axes, _table
@@ -66,7 +73,7 @@ _OLD = {
     **{"QUATERNION": "quaternionState", "QUATERNION/ANGVEL": "quaternionEulerRate"},
     "EULER_ANGLE/ANGVEL": "eulerAngleRate",
 }
-_ELEMENTS = {"2.0": _NEW, "1.0": {**{k: _NEW[k] for k in _attitude_types.IN_VERSION_1}, **_OLD}}
+_ELEMENTS = {"2.0": _NEW, "1.0": {**{k: _NEW[k] for k in _records.IN_VERSION_1}, **_OLD}}
 _RECORDS = {element for names in _ELEMENTS.values() for element in names.values()}
 
 FORM = Form(
@@ -114,7 +121,7 @@ class Options:
 
     def __post_init__(self) -> None:
         known_tolerance(self.tolerance)
-        _attitude_types.known_rates(self.rates)
+        _records.known_rates(self.rates)
 
 
 def read(path: FilePath, form: Form, options: Options) -> AttitudeTable:
@@ -135,7 +142,7 @@ def read(path: FilePath, form: Form, options: Options) -> AttitudeTable:
         raise message.fault("the message has no segment.", None)
     for guessed in [segment for segment in segments if segment.has_guessed_rates()][:1]:
         name = f"ATTITUDE_TYPE {guessed.block.meta['ATTITUDE_TYPE']}"
-        _attitude_types.warn(message.path, name)
+        _records.warn(message.path, name)
     tables = [segment.finished() for segment in segments]
     return _chosen(tables, message.path, options)
 
@@ -167,7 +174,7 @@ class _Segment(Rows):
             self._fill()
         with meta.located("ATTITUDE_TYPE"):
             version = "1.0" if self._is_old else "2.0"
-            self._kind = _attitude_types.known_type(meta["ATTITUDE_TYPE"], version)
+            self._kind = _records.known_type(meta["ATTITUDE_TYPE"], version)
         scale = _messages.scale_of(meta)
         self._axes, self._body, body_is_a = _messages.axes_of(meta, options.frame)
         self._convention = self._convention_of(body_is_a)
@@ -183,7 +190,7 @@ class _Segment(Rows):
             )
             self._kind, self.others = "QUATERNION/ANGVEL", {_MMS: _READ}
             self._convention = replace(self._convention, rates_over_body=True, scalar_first=False)
-        columns = _attitude_types.COLUMNS[self._kind]
+        columns = _records.COLUMNS[self._kind]
         names = _scalar_first(columns) if self._convention.scalar_first else columns
         lead, epoch = (2, "an MJD and its seconds") if self._is_cic else (1, "an epoch")
         super().__init__(scale, block.message.fault, names, lead)
@@ -230,7 +237,7 @@ class _Segment(Rows):
             over_body = choices[meta.one_of("RATE_FRAME" if is_old else "ANGVEL_FRAME", choices)]
         if kind.startswith("EULER") or of_angles:
             sequence = _messages.sequence_of(meta)
-        return _attitude_types.Convention(
+        return _records.Convention(
             to_body=to_body,
             rates_over_body=over_body,
             rates_follow=not is_old,
@@ -298,7 +305,7 @@ class _Segment(Rows):
     def _by_axis(self, columns, letters, axes, what):
         """Columns by number -> those of the axes that letters, by place, name; all or none are."""
         named = "".join(letters.get(place, "") for place in range(3)) or axes
-        places = _attitude_types.rates_by_axis(named, axes)
+        places = _records.rates_by_axis(named, axes)
         if places is None:
             raise self.block.message.fault(
                 f"the {what} are those of {', '.join(named)}, not of {axes}.", None
@@ -441,7 +448,7 @@ def written_kind(settings: Mapping[str, Any], has_rates: bool) -> str:
     """The attitude type that settings of `aem.write` mean, under its name in version 2."""
     usual = "QUATERNION/DERIVATIVE" if settings["version"] == "1.0" else "QUATERNION/ANGVEL"
     kind = settings["kind"] or (usual if has_rates else "QUATERNION")
-    return _attitude_types.known_type(kind, "2.0")
+    return _records.known_type(kind, "2.0")
 
 
 class WrittenSegment:
@@ -455,15 +462,15 @@ class WrittenSegment:
         self._records, self._settings = records, settings
         version = settings["version"]
         self._kind = written_kind(settings, records.has_rates)
-        if version == "1.0" and self._kind not in _attitude_types.IN_VERSION_1:
+        if version == "1.0" and self._kind not in _records.IN_VERSION_1:
             raise AttitudeError(
                 f"{self._kind} is no attitude type of AEM 1.0; write version 2.0, or one of "
-                f"{', '.join(_attitude_types.IN_VERSION_1)}."
+                f"{', '.join(_records.IN_VERSION_1)}."
             )
         old = version == "1.0" and self._kind.endswith("/ANGVEL")
         if old and settings["rates"] is None:
             raise AttitudeError(
-                f"{_attitude_types.IN_VERSION_1[self._kind]} of AEM 1.0 is read in two ways; give "
+                f"{_records.IN_VERSION_1[self._kind]} of AEM 1.0 is read in two ways; give "
                 'rates="body" (components of the angular velocity) or rates="euler" (derivatives '
                 "of the angles; on the command line --rates), or kind QUATERNION/DERIVATIVE, which "
                 "all readers understand."
@@ -473,7 +480,7 @@ class WrittenSegment:
             settings["time_system"] or records.meta.get("time_system") or "UTC"
         )
         validation.one_of(settings["rates_over"], "rates_over", ("body", "frame"))
-        self._convention = _attitude_types.Convention(
+        self._convention = _records.Convention(
             rates_over_body=settings["rates_over"] == "body",
             rates_follow=version != "1.0",
             scalar_first=settings["scalar_first"] and version == "1.0",
@@ -493,7 +500,7 @@ class WrittenSegment:
     def write(self, out: Generator) -> None:
         """Write comments and records."""
         out.comments(self.data_comments)
-        columns = _attitude_types.COLUMNS[self._kind]
+        columns = _records.COLUMNS[self._kind]
         order = list(range(len(columns)))
         if isinstance(out, XmlGenerator):
             in_file = _scalar_first(columns) if self._convention.scalar_first else list(columns)
@@ -514,7 +521,7 @@ class WrittenSegment:
 
     def _write_element(self, out):
         version, kind, groups = self._settings["version"], self._kind, GROUPS
-        keys = list(_attitude_types.COLUMNS[kind])
+        keys = list(_records.COLUMNS[kind])
         if version == "1.0":
             sequence = self._settings["sequence"]
             rates = sequence if self._convention.rates_of_angles else "XYZ"
@@ -549,7 +556,7 @@ class WrittenSegment:
             "TIME_SYSTEM": self._scale.upper(),
             "START_TIME": start,
             "STOP_TIME": stop,
-            "ATTITUDE_TYPE": _attitude_types.IN_VERSION_1[kind] if is_old else kind,
+            "ATTITUDE_TYPE": _records.IN_VERSION_1[kind] if is_old else kind,
         }
         if kind.startswith("QUATERNION"):
             known["QUATERNION_TYPE"] = "FIRST" if convention.scalar_first else "LAST"
@@ -570,7 +577,7 @@ class WrittenSegment:
         method, degree = settings["method"], settings["degree"]
         if method is None and table is not None:
             method, degree = table.method, degree or table.degree
-        has_rates = _attitude_types.has_rates(self._kind)
+        has_rates = _records.has_rates(self._kind)
         method, degree = _table.settled(method, degree, count, has_rates)
         degree = _recipes.degree_of(settings["for_"], degree, count)
         method = "LINEAR" if method == "slerp" else method.upper()

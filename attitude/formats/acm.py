@@ -38,11 +38,16 @@ from attitude.errors import AttitudeError, AttitudeWarning
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats import _messages, _sampling
 from attitude.formats._aem_message import refuse_contradictions
-from attitude.formats._attitude_types import ANGLES, ANGLES_DOT, ANGVEL, Q_DOT, Convention, Q
 from attitude.formats._format import of_table, refuse_foreign, register_message
 from attitude.formats._messages import INERTIA
 from attitude.formats._records import (
+    ANGLES,
+    ANGLES_DOT,
+    ANGVEL,
+    Q_DOT,
     TOLERANCE,
+    Convention,
+    Q,
     Rows,
     columns_of,
     in_icrf,
@@ -395,7 +400,7 @@ class Comprehensive:
 
 
 # ---- Rows of attitudes and covariances of an Attitude Comprehensive Message
-# Conventions are those of `_attitude_types` for version 2.  A direction cosine matrix is that from
+# Conventions are those of `_records` for version 2.  A direction cosine matrix is that from
 # A to B, column by column, as Orekit reads it; the components of ANGVEL are over the axes of B.
 
 

@@ -11,7 +11,7 @@
 >>> table.wxyz.shape, table.method, table.degree, table.epoch.utc_iso
 ((3, 4), 'hermite', 5, '2026-01-01T00:00:00')
 
-For the conventions see `_attitude_types`.  Quaternions are written with 17 digits and come back
+For the conventions see `_records`.  Quaternions are written with 17 digits and come back
 with the same bits, epochs within half a picosecond if they need 12 decimals, else within 1e-11 s;
 the motion between records is not in the file.
 """
@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any
 from attitude._support.synonyms import arguments
 from attitude._textfiles import messages
 from attitude.errors import AttitudeError
-from attitude.formats import _aem_message, _attitude_types, _recipes, _sampling
+from attitude.formats import _aem_message, _recipes, _records, _sampling
 from attitude.formats._aem_message import Options, WrittenSegment, written_kind
 from attitude.formats._format import (
     Option,
@@ -206,7 +206,7 @@ def write(
         "kind": kind,
         "frame": frame,
         "time_system": time_system,
-        "rates": _attitude_types.known_rates(rates),
+        "rates": _records.known_rates(rates),
         "rates_over": rates_over,
         "sequence": sequence,
         "scalar_first": scalar_first,
@@ -226,7 +226,7 @@ def write(
     header = written_header(meta, creation_date, originator, comments)
     stated = "", 0
     if tolerance is not None:
-        rated = _attitude_types.has_rates(written_kind(settings, has_rates))
+        rated = _records.has_rates(written_kind(settings, has_rates))
         stated = _sampling.stated(settings["method"], settings["degree"], rated, source)
         settings["method"], settings["degree"] = stated
 

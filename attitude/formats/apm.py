@@ -1,7 +1,7 @@
 """CCSDS Attitude Parameter Messages, versions 1.0 and 2.0, KVN and XML: one state and the inertia.
 
 An APM with inertia and angular velocity determines a Body and a Spin; a FreeRotation is written as
-one APM.  Conventions of quaternions, angles, rates and spin are those of `_attitude_types`; the
+one APM.  Conventions of quaternions, angles, rates and spin are those of `_records`; the
 sign of the products of inertia is that of each version's book unless `products` is given (see
 `_messages`).  Maneuvers are kept among the keywords only.
 
@@ -24,12 +24,23 @@ from attitude._textfiles import messages
 from attitude._textfiles.lines import cut, prefixed
 from attitude._textfiles.messages import Form, Generator, comparable
 from attitude.errors import AttitudeError, AttitudeWarning
-from attitude.formats import _attitude_types, _messages
 from attitude.formats import _ccsds_epochs as ccsds_epochs
-from attitude.formats._attitude_types import ANGLES, ANGLES_DOT, ANGVEL, Q_DOT, SPIN, Convention, Q
+from attitude.formats import _messages, _records
 from attitude.formats._format import OpenedFile, message_labels, refuse_foreign, register_message
 from attitude.formats._messages import GROUPS, INERTIA, OLD_ANGLES, OLD_INERTIA, OLD_RATES, VERSIONS
-from attitude.formats._records import TOLERANCE, in_icrf, known_tolerance, refuse_length
+from attitude.formats._records import (
+    ANGLES,
+    ANGLES_DOT,
+    ANGVEL,
+    Q_DOT,
+    SPIN,
+    TOLERANCE,
+    Convention,
+    Q,
+    in_icrf,
+    known_tolerance,
+    refuse_length,
+)
 from attitude.formats._sampling import refuse_breaks
 from attitude.frames import quaternion as forms
 from attitude.frames import representations as frames_representations
@@ -215,7 +226,7 @@ class _State:
             return self._old_euler(block, convention, axes, body_is_a)
         kinds = _KINDS[block.name]
         kind = next(kind for kind, words in kinds if not words or block.keys() & set(words))
-        row = [block.number(name) for name in _attitude_types.COLUMNS[kind]]
+        row = [block.number(name) for name in _records.COLUMNS[kind]]
         if block.name == "QUAT":
             place = [block.lines["QC"]]
             refuse_length(np.array([row[:4]]), place, self._tolerance, self._message.fault)
@@ -246,7 +257,7 @@ class _State:
         if is_of_angles:
             return wxyz, self._rates_of(np.radians(rates), axes, convention=convention)
         if self._rates is None:
-            _attitude_types.warn(self._message.path, "the block of Euler angles")
+            _records.warn(self._message.path, "the block of Euler angles")
         frames = {"EULER_FRAME_A": body_is_a, "EULER_FRAME_B": not body_is_a}
         over_body = frames[block.one_of("RATE_FRAME", frames)]
         return wxyz, self._rates_of(np.radians(rates), axes, over_body)
@@ -269,7 +280,7 @@ class _State:
             outer = axes.to_icrf(*self._where).reshape(4)
             if convention is not None:
                 inner = forms.multiply(forms.conjugate(outer), wxyz)[None]
-                relative = _attitude_types.of_euler_derivatives(inner, rates[None], convention)[0]
+                relative = _records.of_euler_derivatives(inner, rates[None], convention)[0]
             elif not over_body:
                 relative = forms.rotate(forms.multiply(body, outer), rates)
             turning = axes.angular_velocity(*self._where)
@@ -445,7 +456,7 @@ def read(
         As `aem.read`.
     """
     known_tolerance(tolerance)
-    rates = _attitude_types.known_rates(rates)
+    rates = _records.known_rates(rates)
     message = messages.read(path, _FORM)
     products = _messages.known_products(products, message.version)
     epoch = _messages.epoch_of(message.meta, "EPOCH", _messages.scale_of(message.meta))
@@ -543,7 +554,7 @@ def write(
         wxyz = forms.multiply(outer, spin.wxyz_icrf)
     scale = ccsds_epochs.writable(time_system)
     epoch = ccsds_epochs.texts(spin.epoch, np.zeros(1), None, scale, digits)[0]
-    meaning = _attitude_types.known_rates(rates)
+    meaning = _records.known_rates(rates)
     blocks = _blocks(version, axes.name, body_frame, wxyz, spin.angular_velocity, meaning)
     if body is not None:
         blocks.append(_inertia(version, body, body_frame, products))

@@ -34,9 +34,8 @@ from attitude.epochs._instants import J2000, Instant
 from attitude.errors import AttitudeError
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats import _sampling
-from attitude.formats._attitude_types import Convention
 from attitude.formats._format import Format, Option, refuse_foreign, register, table_reader
-from attitude.formats._records import TOLERANCE, Rows, columns_of, known_tolerance
+from attitude.formats._records import TOLERANCE, Convention, Rows, columns_of, known_tolerance
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from attitude.motions import _axes as motions_axes

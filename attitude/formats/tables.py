@@ -32,9 +32,8 @@ from attitude.epochs import _inputs, _instants, _time_scales
 from attitude.errors import AttitudeError
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats import _sampling
-from attitude.formats._attitude_types import Convention
 from attitude.formats._format import Format, register, table_reader
-from attitude.formats._records import TOLERANCE, Rows, in_icrf, known_tolerance
+from attitude.formats._records import TOLERANCE, Convention, Rows, in_icrf, known_tolerance
 from attitude.frames import quaternion as forms
 from attitude.motions._axes import named
 from attitude.motions._table import AttitudeTable
