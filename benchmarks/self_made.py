@@ -19,8 +19,8 @@ sys.path.insert(0, str(ROOT))
 
 from attitude import epochs, paths, shape
 from attitude._solver import chebyshev
+from attitude.epochs import _ccsds as ccsds_epochs
 from attitude.epochs import _time_scales
-from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.frames import quaternion
 from attitude.motions._table import AttitudeTable
 

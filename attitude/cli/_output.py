@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude._support import quantity_text
+from attitude.epochs import _ccsds as ccsds_epochs
 from attitude.errors import AttitudeError
-from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats import tables
 from attitude.formats._format import ending_of, endings
 

@@ -96,7 +96,7 @@ def views(
 
 def dates(view: View, digits: int) -> tuple[list[str], list[float]]:
     """The first two columns of a view: texts of UTC with `digits` decimals, and TDB seconds."""
-    from attitude.formats import _ccsds_epochs as ccsds_epochs
+    from attitude.epochs import _ccsds as ccsds_epochs
 
     texts = ccsds_epochs.texts(view.epoch, view.seconds, view.low, "utc", digits)
     return texts, view.seconds.tolist()

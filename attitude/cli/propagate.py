@@ -15,8 +15,8 @@ from attitude._support import validation
 from attitude._support.blocks import ProgressBar
 from attitude._support.constants import DAY_S
 from attitude.cli import _options, _output
+from attitude.epochs import _ccsds as ccsds_epochs
 from attitude.errors import AttitudeError, AttitudeWarning
-from attitude.formats import _ccsds_epochs as ccsds_epochs
 
 if TYPE_CHECKING:
     from attitude.averaged import AveragedHistory, AveragedMotion

@@ -3,6 +3,7 @@
 _inputs        `instant`, `seconds_since`, `past_j2000`, `plain_seconds`: each kind of epoch, read
 _instants      `Instant`, `times`; dates as text
 _time_scales   every time scale to TDB and back, for arrays
+_ccsds         time systems and time codes of CCSDS messages
 """
 
 from attitude.epochs._inputs import instant, past_j2000, plain_seconds, seconds_since

@@ -13,7 +13,6 @@ tables              astropy QTable, ECSV, FITS, CSV, parquet
 detect              any of these by content or ending: `read`, `opened`, `write`, `write_motion`
 
 _aem_message        an AEM or CIC file: keywords, records of segments, read and to be written
-_ccsds_epochs       time codes of CCSDS messages
 _messages           units, epochs, axes, sequences and inertia of CCSDS attitude messages
 _ck_files           files, clock and records of C-kernels; SPICE's pool
 _recipes            settings of writers for a tool that shall read the file

@@ -28,9 +28,9 @@ from attitude._textfiles.messages import (
     comparable,
     refuse_line_breaks,
 )
+from attitude.epochs import _ccsds as ccsds_epochs
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
-from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats import _messages, _recipes, _records
 from attitude.formats._messages import GROUPS, HEADER, VERSIONS, written_body, written_names
 from attitude.formats._records import (
@@ -455,7 +455,7 @@ class WrittenSegment:
     """A segment to be written: its keywords, and its rows piece by piece.
 
     settings: arguments of `aem.write`, by name; `names` are object_name, object_id, center,
-        body_frame; `epochs`, if given, the function that writes epochs, as `_ccsds_epochs.texts`.
+        body_frame; `epochs`, if given, the function that writes epochs, as `ccsds_epochs.texts`.
     """
 
     def __init__(self, records: Records, settings: Mapping[str, Any]):

@@ -18,8 +18,8 @@ import numpy as np
 from attitude._support import validation
 from attitude._textfiles.lines import cut
 from attitude._textfiles.messages import comparable, refuse_line_breaks
+from attitude.epochs import _ccsds as ccsds_epochs
 from attitude.errors import AttitudeError
-from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats._records import ANGLES, ANGLES_DOT, ANGVEL, Q_DOT, Q
 from attitude.frames import quaternion
 from attitude.motions import _axes

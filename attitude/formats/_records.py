@@ -34,9 +34,9 @@ import numpy as np
 from attitude._support import pairs
 from attitude._textfiles.lines import NoNumber, cut, numbers
 from attitude._textfiles.messages import MessageRows
+from attitude.epochs import _ccsds as ccsds_epochs
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError, AttitudeWarning
-from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from attitude.motions._table import AttitudeTable, refuse_speed

@@ -32,10 +32,10 @@ from attitude._support import pairs
 from attitude._textfiles import messages
 from attitude._textfiles.lines import NoNumber, cut, numbers, prefixed
 from attitude._textfiles.messages import Form, Generator, comparable, refuse_line_breaks
+from attitude.epochs import _ccsds as ccsds_epochs
 from attitude.epochs import _time_scales
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError, AttitudeWarning
-from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats import _messages, _sampling
 from attitude.formats._aem_message import refuse_contradictions
 from attitude.formats._format import of_table, refuse_foreign, register_message

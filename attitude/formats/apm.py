@@ -23,8 +23,8 @@ import numpy as np
 from attitude._textfiles import messages
 from attitude._textfiles.lines import cut, prefixed
 from attitude._textfiles.messages import Form, Generator, comparable
+from attitude.epochs import _ccsds as ccsds_epochs
 from attitude.errors import AttitudeError, AttitudeWarning
-from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats import _messages, _records
 from attitude.formats._format import OpenedFile, message_labels, refuse_foreign, register_message
 from attitude.formats._messages import GROUPS, INERTIA, OLD_ANGLES, OLD_INERTIA, OLD_RATES, VERSIONS

@@ -26,8 +26,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from attitude._textfiles import messages
+from attitude.epochs import _ccsds as ccsds_epochs
 from attitude.formats import _aem_message, _sampling
-from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats._aem_message import Options, WrittenSegment
 from attitude.formats._format import Format, message_labels, refuse_foreign, register, table_reader
 from attitude.formats._messages import written_header

@@ -22,10 +22,10 @@ from attitude._support import validation
 from attitude._support.constants import DAY_S
 from attitude._textfiles.atomic_write import written_whole
 from attitude._textfiles.lines import is_number, opened
+from attitude.epochs import _ccsds as ccsds_epochs
 from attitude.epochs import _inputs, _time_scales
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
-from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats._format import Format, OpenedFile, refuse_foreign, register
 from attitude.formats._sampling import refuse_breaks
 from attitude.frames import quaternion

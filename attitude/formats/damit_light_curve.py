@@ -18,9 +18,9 @@ from attitude._support.arrays import Immutable, frozen
 from attitude._support.constants import ASTRONOMICAL_UNIT_M
 from attitude._textfiles.atomic_write import written_whole
 from attitude._textfiles.lines import cut, is_number, opened
+from attitude.epochs import _ccsds as ccsds_epochs
 from attitude.epochs import _inputs, _instants
 from attitude.errors import AttitudeError, AttitudeWarning
-from attitude.formats import _ccsds_epochs as ccsds_epochs
 
 if TYPE_CHECKING:
     from astropy.time import Time

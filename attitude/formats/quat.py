@@ -27,7 +27,7 @@ import numpy as np
 from attitude._support import pairs
 from attitude._textfiles.atomic_write import written_whole
 from attitude._textfiles.lines import cut, is_number, opened, text_of_rows
-from attitude.formats import _ccsds_epochs as ccsds_epochs
+from attitude.epochs import _ccsds as ccsds_epochs
 from attitude.formats import _sampling
 from attitude.formats._format import Format, refuse_foreign, register, table_reader
 from attitude.formats._records import TOLERANCE, Convention, Rows, columns_of, known_tolerance

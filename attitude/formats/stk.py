@@ -29,10 +29,10 @@ from attitude._support.arrays import units
 from attitude._support.constants import DAY_S
 from attitude._textfiles.atomic_write import require_writable, written_whole
 from attitude._textfiles.lines import is_number, opened, text_of_rows
+from attitude.epochs import _ccsds as ccsds_epochs
 from attitude.epochs import _time_scales
 from attitude.epochs._instants import J2000, Instant
 from attitude.errors import AttitudeError
-from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats import _sampling
 from attitude.formats._format import Format, Option, refuse_foreign, register, table_reader
 from attitude.formats._records import TOLERANCE, Convention, Rows, columns_of, known_tolerance

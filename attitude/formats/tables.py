@@ -28,9 +28,9 @@ from attitude._support import pairs, validation
 from attitude._support.quoting import quoted
 from attitude._textfiles.atomic_write import written_whole
 from attitude._textfiles.lines import opened, path_text, prefixed, text_of_rows, whole
+from attitude.epochs import _ccsds as ccsds_epochs
 from attitude.epochs import _inputs, _instants, _time_scales
 from attitude.errors import AttitudeError
-from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats import _sampling
 from attitude.formats._format import Format, register, table_reader
 from attitude.formats._records import TOLERANCE, Convention, Rows, in_icrf, known_tolerance

@@ -15,6 +15,7 @@ import numpy as np
 from attitude._textfiles import messages
 from attitude._textfiles.lines import prefixed
 from attitude._textfiles.messages import Form, MessageRows
+from attitude.epochs import _ccsds as ccsds_epochs
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
 from attitude.frames import _earth
@@ -57,7 +58,6 @@ _FORM = Form(
     skipped=("COVARIANCE",),
     marks={"metadata": "META", "data": ""},
 )
-_SYSTEMS = ("UTC", "TAI", "GPS", "TT", "TDB", "TCG", "TCB", "UT1")
 
 
 class _States(MessageRows):
@@ -150,11 +150,8 @@ def _path(block, origin, degree, center):
     """The path of the data of one segment of a file, from its center or from the one given."""
     meta = block.meta
     where = f"{origin}, segment at line {meta.line}"
-    if meta["TIME_SYSTEM"].upper() not in _SYSTEMS:
-        raise AttitudeError(
-            f"{where}: TIME_SYSTEM is {meta['TIME_SYSTEM']}; it must be one of "
-            f"{', '.join(_SYSTEMS)}."
-        )
+    with prefixed(where):
+        scale = ccsds_epochs.known(meta["TIME_SYSTEM"])
     frame = _earth.kind_of(meta["REF_FRAME"])
     if frame is None:
         raise AttitudeError(
@@ -166,10 +163,10 @@ def _path(block, origin, degree, center):
     rows = block.rows
     interpolation, degree = _interpolation(meta, where, degree)
     states = 1e3 * np.concatenate(rows.states)
-    span = _useable(meta, rows.times, where)
+    span = _useable(meta, rows.times, scale, where)
     with prefixed(f"{where} (states to line {rows.line})"):
         return table(
-            [_dated(time, meta) for time in rows.times],
+            [_dated(time, scale) for time in rows.times],
             states[:, :3],
             states[:, 3:],
             interpolation=interpolation,
@@ -209,17 +206,17 @@ def _interpolation(meta, where, degree):
     return name.lower(), degree
 
 
-def _useable(meta, times, where):
+def _useable(meta, times, scale, where):
     """The useable time of a segment, or None for that of its states."""
     for prefix in ("", "USEABLE_"):
         keys = f"{prefix}START_TIME", f"{prefix}STOP_TIME"
         texts = [meta.get(key, time) for key, time in zip(keys, (times[0], times[-1]), strict=True)]
-        span = tuple(_inputs.instant(_dated(text, meta), f"{where}: epoch") for text in texts)
+        span = tuple(_inputs.instant(_dated(text, scale), f"{where}: epoch") for text in texts)
         if span[1].since(span[0]) < 0.0 and all(key in meta for key in keys):
             raise AttitudeError(f"{where}: {keys[1]} is before {keys[0]}.")
     return span if any(key in meta for key in keys) else None
 
 
-def _dated(text, meta):
-    """An epoch of a segment as text with its time system."""
-    return f"{text.removesuffix('Z')} {meta['TIME_SYSTEM']}"
+def _dated(text, scale):
+    """An epoch of a segment as text with its time scale."""
+    return f"{text.removesuffix('Z')} {scale.upper()}"

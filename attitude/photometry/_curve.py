@@ -25,10 +25,10 @@ from attitude._support.quoting import counted, quoted
 from attitude._support.synonyms import arguments
 from attitude._textfiles.atomic_write import written_whole
 from attitude._textfiles.lines import path_text
+from attitude.epochs import _ccsds as ccsds_epochs
 from attitude.epochs import _inputs, _instants
 from attitude.epochs._instants import J2000, Instant
 from attitude.errors import AttitudeError
-from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.paths import _composed, _places
 from attitude.paths._path import Path, Place
 from attitude.photometry import _files

@@ -17,7 +17,8 @@ import pytest
 import attitude
 from attitude import Body, FreeRotation, Spin, cli, epochs
 from attitude.cli import _options, _output
-from attitude.formats import _ccsds_epochs, detect, spin_file
+from attitude.epochs import _ccsds
+from attitude.formats import detect, spin_file
 from attitude.motions import _description
 from tests.support.places import ROOT
 
@@ -674,9 +675,9 @@ def test_dates_of_messages_have_no_digits_without_meaning(attitude_command, tmp_
     assert [each[-6:] for each in found[-3:]] == ["48.000", "48.250", "48.500"]
     # What conversions leave, some 1e-12 s, is not printed; more is.
     epoch = spin_file.read(TOUTATIS).motion.epoch
-    near = _ccsds_epochs.texts(epoch, np.zeros(2), np.array([4e-12, -3e-12]), "utc")
+    near = _ccsds.texts(epoch, np.zeros(2), np.array([4e-12, -3e-12]), "utc")
     assert [each[-6:] for each in near] == ["47.000", "47.000"]
-    far = _ccsds_epochs.texts(epoch, np.array([2e-11]), np.array([0.0]), "utc")
+    far = _ccsds.texts(epoch, np.array([2e-11]), np.array([0.0]), "utc")
     assert far[0].endswith("47.000000000020")
 
 

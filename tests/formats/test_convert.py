@@ -8,8 +8,8 @@ import pytest
 
 from attitude import AttitudeError, Body, FreeRotation, Spin, paths
 from attitude.cli import convert, main
+from attitude.epochs import _ccsds as ccsds_epochs
 from attitude.errors import AttitudeWarning
-from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats import aem, detect, spin_file
 from attitude.frames import quaternion
 from tests.support.kernels import DATA, kernel
