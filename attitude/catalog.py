@@ -28,7 +28,7 @@ import numpy as np
 
 from attitude._support import markup, validation
 from attitude._support.constants import DAY_S
-from attitude._support.quoting import quoted
+from attitude._support.quantity_text import quoted
 from attitude._support.synonyms import Answering, arguments, of_module
 from attitude._textfiles import toml
 from attitude._textfiles.lines import packaged, path_of_packaged

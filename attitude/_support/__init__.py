@@ -2,8 +2,7 @@
 
 annotations     types of public parameters and results
 validation      checks of the numbers that callers give; arguments that do not exist
-quantity_text   numbers followed by a unit, as text
-quoting         how sentences of errors quote input
+quantity_text   values in text: quoted, counted, numbers followed by a unit
 synonyms        hints for names that other packages use; methods of higher folders
 arrays          read-only arrays, immutable classes, memory for results
 pairs           sums and products in two doubles, in numpy

@@ -1,6 +1,6 @@
-"""Numbers followed by a unit, as text: one grammar for arguments, files and the command line.
+"""Values in text: how sentences quote and count them, and numbers followed by a unit.
 
-`validation.real` reads every text with it.
+Arguments, files and the command line have one grammar of units: `validation.real` reads it.
 
 >>> numbers_and_unit("14.51, 33.529, -98.709 deg/day", "rate")
 (['14.51', '33.529', '-98.709'], 'deg/day')
@@ -15,7 +15,6 @@ import re
 from typing import TYPE_CHECKING
 
 from attitude._support.constants import DAY_S
-from attitude._support.quoting import quoted
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
@@ -57,6 +56,33 @@ _COMMON = {
     },
 }
 _WORD = re.compile("|".join(rf"\b{word}\b" for word in _SPELLINGS))
+
+
+# ---- How sentences quote input and count things
+
+
+def quoted(value: object, most: int = 60, mark: str | None = None) -> str:
+    """A value as a sentence quotes it: on one line, at most `most` characters.
+
+    In the quotation marks of Python, or in `mark`, which may be empty.
+
+    >>> quoted("SC_BODY_1"), quoted("x" * 50, 12, "")
+    ("'SC_BODY_1'", 'xxxxxxxxx...')
+    """
+    try:
+        text = repr(value) if mark is None else f"{mark}{value}{mark}"
+    except ValueError:  # an integer of more digits than Python writes
+        return f"a very large {type(value).__name__}"
+    text = " ".join(text.split())
+    return text if len(text) <= most else text[: most - 3] + "..."
+
+
+def counted(number: int, noun: str, plural: str = "") -> str:
+    """A number of things: "1 row", "2 rows"."""
+    return f"{number} {noun if number == 1 else plural or noun + 's'}"
+
+
+# ---- Numbers followed by a unit
 
 
 def numbers_and_unit(text: str, name: str) -> tuple[list[str], str]:

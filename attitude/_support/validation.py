@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from attitude._support import quantity_text
-from attitude._support.quoting import quoted
+from attitude._support.quantity_text import quoted
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude._support import quoting
+from attitude._support import quantity_text
 from attitude._textfiles.lines import cut, whole
 from attitude.errors import AttitudeError
 
@@ -73,7 +73,7 @@ def way_of(section: Mapping[str, Any], ways: Iterable[str], where: str) -> str:
 def section_of(value: Any, name: str) -> dict[str, Any]:
     """A section itself; AttitudeError for another value under its name."""
     if not isinstance(value, dict):
-        shown = quoting.quoted(value)
+        shown = quantity_text.quoted(value)
         raise AttitudeError(f"{name} is {shown}; give a section that begins [{name}].")
     return value
 

@@ -14,7 +14,7 @@ import numpy as np
 from attitude import plots
 from attitude._support.blocks import ProgressBar
 from attitude._support.constants import BLUE, DAY_S, VERMILION
-from attitude._support.quoting import counted
+from attitude._support.quantity_text import counted
 from attitude.cli import _options, _output, geometry
 from attitude.errors import AttitudeError
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude._support import validation
-from attitude._support.quoting import quoted
+from attitude._support.quantity_text import quoted
 from attitude._textfiles import toml
 from attitude._textfiles.lines import prefixed
 from attitude._textfiles.toml import refuse_unknown, way_of

@@ -101,7 +101,7 @@ import numpy as np
 
 from attitude import catalog, torques
 from attitude._support import quantity_text, validation
-from attitude._support.quoting import quoted
+from attitude._support.quantity_text import quoted
 from attitude._textfiles import toml
 from attitude._textfiles.lines import path_text, prefixed
 from attitude._textfiles.toml import refuse_unknown, text_of, way_of

@@ -64,7 +64,7 @@ import numpy as np
 from attitude._solver import covariance as covariances
 from attitude._support import validation
 from attitude._support.arrays import Immutable
-from attitude._support.quoting import quoted
+from attitude._support.quantity_text import quoted
 from attitude._textfiles import toml
 from attitude._textfiles.atomic_write import written_whole
 from attitude._textfiles.lines import cut, path_text, prefixed

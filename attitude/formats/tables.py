@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude._support import pairs, validation
-from attitude._support.quoting import quoted
+from attitude._support.quantity_text import quoted
 from attitude._textfiles.atomic_write import written_whole
 from attitude._textfiles.lines import opened, path_text, prefixed, text_of_rows, whole
 from attitude.epochs import _ccsds as ccsds_epochs

@@ -30,7 +30,7 @@ import numpy as np
 from attitude._support import validation
 from attitude._support.arrays import frozen
 from attitude._support.pairs import add, times
-from attitude._support.quoting import quoted
+from attitude._support.quantity_text import quoted
 from attitude._support.synonyms import of_module
 from attitude.errors import AttitudeError
 

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from attitude._support import quoting
+from attitude._support import quantity_text
 from attitude._support.arrays import distinct, two_across
 from attitude._support.constants import DAY_S
 from attitude.inversion import (
@@ -521,7 +521,7 @@ class RotatorSearch(Search):
         count = len(np.unique(problem.series[factors > 1.0]))
         if count:
             self.problem = problem.with_errors(factors * problem.sigma)
-            sessions = quoting.counted(count, "session")
+            sessions = quantity_text.counted(count, "session")
             self.notes.append(
                 f"points far apart in time of {sessions} are up to {factors.max():.1f} times as "
                 "noisy as the errors say; their errors are taken to be larger by this factor"

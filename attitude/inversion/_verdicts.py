@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from attitude._support import quoting
+from attitude._support import quantity_text
 from attitude._support.constants import DAY_S, SIDEREAL_DAY_S
 from attitude.inversion import _ellipsoid, _evidence, _pole_map
 from attitude.inversion._ellipsoid import SearchState, is_axial
@@ -276,7 +276,7 @@ def with_verb(number: int, noun: str, verb: str) -> str:
     >>> with_verb(1, "other pole", "lie"), with_verb(2, "other pole", "lie")
     ('1 other pole lies', '2 other poles lie')
     """
-    return f"{quoting.counted(number, noun)} {verb}{'s' if number == 1 else ''}"
+    return f"{quantity_text.counted(number, noun)} {verb}{'s' if number == 1 else ''}"
 
 
 def of_floor(ratio: float, most: float, settings: Settings) -> str:

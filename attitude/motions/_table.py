@@ -12,7 +12,7 @@ import numpy as np
 from attitude import frames
 from attitude._support import pairs, validation
 from attitude._support.arrays import frozen
-from attitude._support.quoting import quoted
+from attitude._support.quantity_text import quoted
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from attitude._support.constants import KILOMETRE_M
 from attitude._textfiles import messages
 from attitude._textfiles.lines import prefixed
 from attitude._textfiles.messages import Form, MessageRows
@@ -162,7 +163,7 @@ def _path(block, origin, degree, center):
         raise AttitudeError(f"{where}: there are no states.")
     rows = block.rows
     interpolation, degree = _interpolation(meta, where, degree)
-    states = 1e3 * np.concatenate(rows.states)
+    states = KILOMETRE_M * np.concatenate(rows.states)
     span = _useable(meta, rows.times, scale, where)
     with prefixed(f"{where} (states to line {rows.line})"):
         return table(

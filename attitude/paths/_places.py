@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from attitude._support import quantity_text, validation
-from attitude._support.quoting import quoted
+from attitude._support.quantity_text import quoted
 from attitude._textfiles import toml
 from attitude._textfiles.lines import beginning, whole
 from attitude._textfiles.toml import refuse_unknown, way_of

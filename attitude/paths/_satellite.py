@@ -20,8 +20,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude._support import pairs, validation
-from attitude._support.constants import DAY_S, JD_OF_MJD_0
-from attitude._support.quoting import quoted
+from attitude._support.constants import DAY_S, JD_OF_MJD_0, KILOMETRE_M
+from attitude._support.quantity_text import quoted
 from attitude._support.synonyms import arguments
 from attitude._textfiles import messages, toml, xml
 from attitude._textfiles.lines import of_text, whole
@@ -38,7 +38,6 @@ if TYPE_CHECKING:
     from attitude._support.annotations import FilePath, FloatArray
 
 
-_KM = 1000.0
 # rad/min of one revolution a day.
 _PER_DAY = 2.0 * np.pi / 1440.0
 # EPHEMERIS_TYPE, beside 0, of elements for SGP4: SGP, SGP4 and SDP4; 4 is SGP4-XP.
@@ -102,7 +101,7 @@ class Satellite(Path):
         errors, position, velocity = model.sgp4_array(jd, model.jdsatepochF + (days - whole))
         if errors.any():
             self._refuse(errors, instant, hi)
-        return position.T * _KM, velocity.T * _KM
+        return position.T * KILOMETRE_M, velocity.T * KILOMETRE_M
 
     def _check_distance(self, days):
         """Refuse epochs beyond a year from that of the elements; warn once beyond two weeks."""

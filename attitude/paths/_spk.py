@@ -21,6 +21,7 @@ import numpy as np
 from attitude import frames
 from attitude._support import pairs, validation
 from attitude._support.arrays import read_only
+from attitude._support.constants import KILOMETRE_M
 from attitude._textfiles.lines import path_text
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
@@ -101,7 +102,7 @@ class SpiceSegment(Segment):
                 states[k] = self._evaluated(handle, descriptor, second)
         finally:
             spiceypy.dafcls(handle)
-        position, velocity = 1e3 * states.T[:3], 1e3 * states.T[3:]
+        position, velocity = KILOMETRE_M * states.T[:3], KILOMETRE_M * states.T[3:]
         position += velocity * remainder
         return self._in_icrf(position), self._in_icrf(velocity)
 
@@ -117,9 +118,6 @@ class SpiceSegment(Segment):
                 f"SPICE cannot evaluate {self.name} in {self.source} at {second!r} s past J2000 "
                 f"({err.short}); check the file with SPICE's brief."
             ) from err
-
-
-_KM = 1000.0
 
 
 class Kernel(Ephemeris):
@@ -288,7 +286,7 @@ class KernelSegment(Segment):
             records=read_only(words[:-4].reshape(rows, size)),
             skip=2,
             count=(size - 2) // components,
-            factor=_KM,
+            factor=KILOMETRE_M,
             least=segment.start_second - start,
             most=segment.end_second - start,
         )

@@ -21,7 +21,7 @@ from attitude._support.constants import (
     MAGNITUDES_PER_E,
     SPEED_OF_LIGHT_M_S,
 )
-from attitude._support.quoting import counted, quoted
+from attitude._support.quantity_text import counted, quoted
 from attitude._support.synonyms import arguments
 from attitude._textfiles.atomic_write import written_whole
 from attitude._textfiles.lines import path_text

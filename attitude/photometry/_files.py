@@ -43,7 +43,7 @@ import numpy as np
 
 from attitude._support import quantity_text, validation
 from attitude._support.constants import ASTRONOMICAL_UNIT_M, DAY_S, JD_OF_MJD_0, SPEED_OF_LIGHT_M_S
-from attitude._support.quoting import counted, quoted
+from attitude._support.quantity_text import counted, quoted
 from attitude._textfiles import lines as textfiles_lines
 from attitude._textfiles import toml, xml
 from attitude.epochs import _inputs

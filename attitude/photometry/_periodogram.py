@@ -10,7 +10,7 @@ from attitude._compilation.decorators import entry_point
 from attitude._support import blocks, validation
 from attitude._support.arrays import distinct
 from attitude._support.constants import DAY_S, SIDEREAL_DAY_S
-from attitude._support.quoting import counted
+from attitude._support.quantity_text import counted
 from attitude.errors import AttitudeError
 from attitude.photometry import _spectrum
 

@@ -15,7 +15,7 @@ from attitude._support import markup, quantity_text, validation
 from attitude._support.arrays import Immutable, frozen
 from attitude._support.blocks import ProgressBar
 from attitude._support.constants import DAY_S, SIDEREAL_DAY_S
-from attitude._support.quoting import counted
+from attitude._support.quantity_text import counted
 from attitude._support.synonyms import arguments
 from attitude.errors import AttitudeError
 from attitude.photometry import _folding, _lattices, _periodogram, _samples, _spectrum

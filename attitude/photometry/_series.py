@@ -13,7 +13,7 @@ import numpy as np
 
 from attitude._support import validation
 from attitude._support.arrays import Immutable, frozen
-from attitude._support.quoting import counted
+from attitude._support.quantity_text import counted
 from attitude.epochs import _inputs
 from attitude.epochs._instants import J2000, Instant
 from attitude.errors import AttitudeError, AttitudeWarning

@@ -18,7 +18,7 @@ import numpy as np
 from attitude._compilation.decorators import entry_point, reduction_subroutine, subroutine
 from attitude._support import blocks as support_blocks
 from attitude._support import least_squares, validation
-from attitude._support.quoting import counted
+from attitude._support.quantity_text import counted
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from attitude._compilation.decorators import reduction_subroutine, reduction_wit
 from attitude._compilation.elementary import binary_logarithm, power_of_half
 from attitude._compilation.simd import at_least, at_most, chosen, every
 from attitude._support import validation
-from attitude._support.quoting import quoted
+from attitude._support.quantity_text import quoted
 from attitude.errors import AttitudeError
 from attitude.scattering._law import Law, parameter
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude._support import validation
-from attitude._support.quoting import quoted
+from attitude._support.quantity_text import quoted
 from attitude._support.validation import flag
 from attitude._textfiles.atomic_write import written_whole
 from attitude._textfiles.lines import path_text, prefixed, whole

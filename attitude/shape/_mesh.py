@@ -12,7 +12,7 @@ import numpy as np
 
 from attitude._support import markup, synonyms, validation
 from attitude._support.arrays import Immutable, frozen
-from attitude._support.quoting import quoted
+from attitude._support.quantity_text import quoted
 from attitude._support.validation import shown
 from attitude.errors import AttitudeError
 

@@ -14,7 +14,7 @@ import numpy as np
 from attitude import plots
 from attitude._support import pairs
 from attitude._support.arrays import units
-from attitude._support.quoting import quoted
+from attitude._support.quantity_text import quoted
 from attitude._textfiles.lines import path_text
 from attitude.catalog import motion_of
 from attitude.epochs import _inputs
