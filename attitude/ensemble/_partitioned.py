@@ -31,9 +31,6 @@ _ROWS: dict[str, tuple[int, ...]] = {
     "moments": (3,),
     "tensors": (3, 3),
 }
-# Columns that `rows` adds.
-_ATTITUDE = ("w", "x", "y", "z")
-_RATE = ("omega_x", "omega_y", "omega_z")
 
 
 class PartitionedEnsemble(Immutable):
@@ -154,7 +151,7 @@ class PartitionedEnsemble(Immutable):
         if missing:
             raise AttitudeError(f"frame has no column {missing[0]!r}.")
         with_rates = validation.flag(angular_velocity, "angular_velocity")
-        added = {name: np.empty(0, "f8") for name in _ATTITUDE + _RATE * with_rates}
+        added = {name: np.empty(0, "f8") for name in tables.ATTITUDE + tables.RATES * with_rates}
         tasks = self._mapped(_rows, [(row, member, seconds, with_rates) for row in rows])
         return dataframe.from_delayed(tasks, meta=frame._meta.assign(**added))
 
@@ -241,9 +238,9 @@ def _written(ensemble: Ensemble, t: Any, file: str, rates: bool) -> str:
 
 def _columns(history: EnsembleHistory, rates: bool) -> dict[str, Any]:
     """Columns of the attitudes, and with rates of the angular velocities, of a history."""
-    columns = dict(zip(_ATTITUDE, history.wxyz.reshape(-1, 4).T, strict=True))
+    columns = dict(zip(tables.ATTITUDE, history.wxyz.reshape(-1, 4).T, strict=True))
     if rates:
-        columns |= dict(zip(_RATE, history.angular_velocity.reshape(-1, 3).T, strict=True))
+        columns |= dict(zip(tables.RATES, history.angular_velocity.reshape(-1, 3).T, strict=True))
     return columns
 
 

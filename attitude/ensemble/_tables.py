@@ -22,7 +22,7 @@ from attitude._support import pairs, validation
 from attitude._support.constants import DAY_S, MJD_OF_J2000
 from attitude._textfiles.lines import prefixed
 from attitude.errors import AttitudeError
-from attitude.formats.tables import meta_of
+from attitude.formats.tables import ATTITUDE, RATES, meta_of
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from attitude.motions import _published
@@ -37,9 +37,9 @@ if TYPE_CHECKING:
 _XYZ = "xyz"
 # Columns of several numbers, with the columns that may stand for them, and the unit.
 _PARTS: dict[str, tuple[tuple[str, ...], str | None]] = {
-    "wxyz": (("w", "x", "y", "z"), None),
-    "low": (("low_w", "low_x", "low_y", "low_z"), None),
-    "angular_velocity": (tuple(f"omega_{k}" for k in _XYZ), "rad/s"),
+    "wxyz": (ATTITUDE, None),
+    "low": (tuple(f"low_{k}" for k in ATTITUDE), None),
+    "angular_velocity": (RATES, "rad/s"),
     "moments": (tuple(f"moment_{k}" for k in _XYZ), "kg m2"),
     "tensor": (tuple(f"tensor_{j}{k}" for j in _XYZ for k in _XYZ), "kg m2"),
 }
