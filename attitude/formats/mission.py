@@ -393,7 +393,7 @@ class _File:
         if not isinstance(value, (str, dict)):
             raise AttitudeError(
                 f"{name} is {quoted(value)}; give the name of a body, or a table with one of "
-                f"{', '.join(_places.TABLES)}."
+                f"{', '.join(_places.KINDS)}."
             )
         return _places.place(
             value,

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from attitude._support import quantity_text, validation
 from attitude._support.quantity_text import quoted
@@ -33,17 +33,29 @@ if TYPE_CHECKING:
     from attitude._support.annotations import FilePath
     from attitude.paths._path import EphemerisLike, Path
 
-# The kinds of tables, and the other keys that each may have.
-TABLES: dict[str, tuple[str, ...]] = {
-    "tle": ("name", "any_epoch"),
-    "omm": ("name", "any_epoch"),
-    "oem": ("degree", "center"),
-    "spk": ("target", "center"),
-    "mpc_orbit": (),
-    "kepler": (),
-    "site": ("height", "name", "long_term"),
-    "observatory": ("long_term",),
-    "direction": ("frame", "name"),
+
+class Kind(NamedTuple):
+    """A kind of table: what makes its place, its other keys, and how a file of the kind begins."""
+
+    make: Callable[..., Place]
+    keys: tuple[str, ...] = ()
+    mark: bytes = b""
+
+
+KINDS: dict[str, Kind] = {
+    "tle": Kind(_satellite.tle, ("name", "any_epoch"), rb"([^\n]*\n)?1 [^\n]*\n2 "),
+    "omm": Kind(
+        _satellite.omm,
+        ("name", "any_epoch"),
+        rb"CCSDS_OMM_VERS|[<{]|\[\s*\{|.*\bMEAN_MOTION\b",
+    ),
+    "oem": Kind(_oem_file.oem, ("degree", "center"), rb"CCSDS_OEM_VERS|<.*<oem\b|<oem\b"),
+    "spk": Kind(_solar_system.spk, ("target", "center"), rb"DAF/SPK|NAIF/DAF"),
+    "mpc_orbit": Kind(_mpc_line.mpc_orbit),
+    "kepler": Kind(_two_body.kepler),
+    "site": Kind(_ground.site, ("height", "name", "long_term")),
+    "observatory": Kind(_ground.observatory, ("long_term",)),
+    "direction": Kind(_path.direction, ("frame", "name")),
 }
 _BODIES = "the name of a planet, the Sun or the Moon"
 _MOVING = (
@@ -304,22 +316,20 @@ def _of_keywords(value: Any, name: str) -> Path:
 
 
 def _of_table(table: dict[str, Any], name: str, folder: str, ephemeris: EphemerisLike) -> Place:
-    kind = way_of(table, TABLES, name)
-    refuse_unknown(table, (kind, *TABLES[kind]), name)
-    settings = {key: table[key] for key in TABLES[kind] if key in table}
+    kind = way_of(table, KINDS, name)
+    make, keys, mark = KINDS[kind]
+    refuse_unknown(table, (kind, *keys), name)
+    settings = {key: table[key] for key in keys if key in table}
     value = table[kind]
     if "center" in settings:
         center = settings["center"]
         settings["center"] = place(center, f"{name} center", folder=folder, ephemeris=ephemeris)
-    if kind == "oem":
-        return _oem_file.oem(file_of(value, folder, f"{name} oem"), ephemeris=ephemeris, **settings)
-    if kind in _FILES:
-        return _FILES[kind](file_of(value, folder, f"{name} {kind}"), **settings)
-    if kind == "spk":
-        if "target" not in settings:
-            raise AttitudeError(f"{name} spk needs a target, such as target = 20099942.")
-        file = file_of(value, folder, f"{name} spk")
-        return _solar_system.spk(file, **settings, ephemeris=ephemeris)
+    if kind == "spk" and "target" not in settings:
+        raise AttitudeError(f"{name} spk needs a target, such as target = 20099942.")
+    if "center" in keys:  # a file may have several centers
+        settings["ephemeris"] = ephemeris
+    if mark:
+        value = file_of(value, folder, f"{name} {kind}")
     if kind == "kepler":
         return _of_keywords(value, name)
     if kind == "site":
@@ -329,17 +339,8 @@ def _of_table(table: dict[str, Any], name: str, folder: str, ephemeris: Ephemeri
                 f"{name} site is {quoted(value)}; give longitude and latitude, as in "
                 '"15.49, 47.07 deg".'
             )
-        return _ground.site(*angles.tolist(), **settings)
-    return _OTHERS[kind](value, **settings)
-
-
-# Readers of files, and makers of what needs no further argument, by the kind of the table.
-_FILES: dict[str, Any] = {"tle": _satellite.tle, "omm": _satellite.omm}
-_OTHERS: dict[str, Any] = {
-    "mpc_orbit": _mpc_line.mpc_orbit,
-    "observatory": _ground.observatory,
-    "direction": _path.direction,
-}
+        return make(*angles.tolist(), **settings)
+    return make(value, **settings)
 
 
 def file_of(value: Any, folder: str, name: str) -> str:
@@ -356,14 +357,6 @@ def file_of(value: Any, folder: str, name: str) -> str:
 
 
 # ---- Files
-
-_MARKS = (
-    (rb"DAF/SPK|NAIF/DAF", "spk"),
-    (rb"CCSDS_OEM_VERS|<.*<oem\b|<oem\b", "oem"),
-    (rb"CCSDS_OMM_VERS|[<{]|\[\s*\{|.*\bMEAN_MOTION\b", "omm"),
-    (rb"([^\n]*\n)?1 [^\n]*\n2 ", "tle"),
-    (rb"MINOR PLANET CENTER ORBIT DATABASE", "mpc"),
-)
 
 
 def _of_file(path: str, name: str, of: str | int | None, ephemeris: EphemerisLike) -> Place:
@@ -392,22 +385,21 @@ def _of_file(path: str, name: str, of: str | int | None, ephemeris: EphemerisLik
         return _of_toml(path, name, ephemeris)
     if kind == "elements":
         return _of_elements(whole(path, "give a file of elements"), path)
-    return _FILES[kind](path, name=of)
+    return KINDS[kind].make(path, name=of)
 
 
 def _kind(path: str, name: str) -> str:
     start = beginning(path)
-    for mark, kind in _MARKS[:2]:
-        if re.match(mark, start, re.DOTALL):
+    is_toml = path.lower().endswith(".toml")  # which may name the keywords of an OMM
+    for kind in ("spk", "oem") if is_toml else ("spk", "oem", "omm", "tle"):
+        if re.match(KINDS[kind].mark, start, re.DOTALL):
             return kind
-    if path.lower().endswith(".toml"):
+    if is_toml:
         return "toml"
     lines = start.decode("utf-8", "replace").splitlines()
-    for mark, kind in _MARKS[2:]:
-        if re.match(mark, start, re.DOTALL):
-            return kind
     # A line cut at the end of what was read may lack its last columns, never its first ones.
-    if any(map(_mpc_line.is_line, lines)):  # with a header, or without
+    is_catalog = start.startswith(b"MINOR PLANET CENTER ORBIT DATABASE")
+    if is_catalog or any(map(_mpc_line.is_line, lines)):
         return "mpc"
     if lines and lines[0].partition("=")[0].strip() in _ELEMENTS:
         return "elements"
@@ -439,8 +431,7 @@ def _of_toml(path: str, name: str, ephemeris: EphemerisLike) -> Place:
     folder = os.path.dirname(path)
     if "center" in content and set(content) - set(_ELEMENTS):
         return place(content["center"], f"{path}: center", folder=folder, ephemeris=ephemeris)
-    kinds = [key for key in content if key in TABLES]
-    if kinds:
+    if any(key in KINDS for key in content):
         return _of_table(content, path, folder, ephemeris)
     if "eccentricity" in content:
         return _of_keywords(content, path)

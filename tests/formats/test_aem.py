@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from attitude import AttitudeError, Body, FreeRotation, Spin, epochs
-from attitude.formats import _attitude_types, aem, detect
+from attitude.formats import _records, aem, detect
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from attitude.motions._table import AttitudeTable
@@ -21,9 +21,9 @@ HISTORY = MOTION.at(np.arange(60) / 3.0)
 CHOICES = [
     (version, kind, xml)
     for version in ("1.0", "2.0")
-    for kind in _attitude_types.COLUMNS
+    for kind in _records.COLUMNS
     for xml in (False, True)
-    if version == "2.0" or kind in _attitude_types.IN_VERSION_1
+    if version == "2.0" or kind in _records.IN_VERSION_1
 ]
 
 
@@ -69,7 +69,7 @@ def test_there_and_back(tmp_path, version, kind, xml, frame):
         # degrees, other axes: some units in the last place; Earth-fixed ones turn 1e-14 rad in
         # the 1e-10 s to which ERFA's Julian dates of UT1 are good
         assert apart(found.wxyz, HISTORY.wxyz) < (3e-14 if turning else 3e-15)
-        if _attitude_types.has_rates(kind) and kind != "SPIN":
+        if _records.has_rates(kind) and kind != "SPIN":
             off = np.abs(found.angular_velocity - HISTORY.angular_velocity)
             assert np.max(off) < 1e-14  # rad/s: angle rates and cones amplify rounding
         else:
@@ -271,7 +271,7 @@ def test_a_motion_is_written_piece_by_piece(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("xml", [False, True])
-@pytest.mark.parametrize("kind", _attitude_types.COLUMNS)
+@pytest.mark.parametrize("kind", _records.COLUMNS)
 def test_brahe_reads_version_2(tmp_path, kind, xml):
     ccsds = pytest.importorskip("brahe.ccsds", reason="brahe is not installed")
     path = written(tmp_path, kind=kind, xml=xml, object_name="SAT", object_id="2026-001A")
@@ -299,7 +299,7 @@ def test_brahe_reads_version_2(tmp_path, kind, xml):
 
 
 @pytest.mark.parametrize("xml", [False, True])
-@pytest.mark.parametrize("kind", _attitude_types.COLUMNS)
+@pytest.mark.parametrize("kind", _records.COLUMNS)
 def test_ccsds_ndm_reads_version_2_and_we_read_what_it_writes(tmp_path, kind, xml):
     ndm = pytest.importorskip("ccsds_ndm", reason="ccsds-ndm-py is not installed")
     path = written(tmp_path, kind=kind, xml=xml, object_name="SAT", object_id="2026-001A")
@@ -672,7 +672,7 @@ def test_a_message_in_a_combined_one_and_several(tmp_path):
             read(path, tolerance=tolerance)
 
 
-@pytest.mark.parametrize("kind", [k for k in _attitude_types.COLUMNS if k != "SPIN"])
+@pytest.mark.parametrize("kind", [k for k in _records.COLUMNS if k != "SPIN"])
 @pytest.mark.parametrize("to_body", [True, False])
 @pytest.mark.parametrize("over_body", [True, False])
 @pytest.mark.parametrize("follow", [True, False])
@@ -681,21 +681,21 @@ def test_columns_mean_the_same_in_every_convention_and_sequence(kind, to_body, o
     wxyz, rates = HISTORY.wxyz, HISTORY.angular_velocity
     sequences = forms.EULER_SEQUENCES if kind.startswith("EULER") else ("ZXZ",)
     for sequence in sequences:
-        how = _attitude_types.Convention(
+        how = _records.Convention(
             to_body=to_body, rates_over_body=over_body, rates_follow=follow, sequence=sequence
         )
-        columns = _attitude_types.encoded(kind, wxyz, rates, HISTORY.angular_acceleration, how)
-        assert columns.shape == (60, len(_attitude_types.COLUMNS[kind]))
-        q, w = _attitude_types.decoded(kind, columns, how)
+        columns = _records.encoded(kind, wxyz, rates, HISTORY.angular_acceleration, how)
+        assert columns.shape == (60, len(_records.COLUMNS[kind]))
+        q, w = _records.decoded(kind, columns, how)
         assert apart(q, wxyz) < 3e-15
-        if _attitude_types.has_rates(kind):
+        if _records.has_rates(kind):
             # rad/s; near gimbal lock (1e-2 away) rates of angles amplify rounding a hundredfold
             assert np.max(np.abs(w - rates)) < 1e-13
         else:
             assert w is None
 
 
-@pytest.mark.parametrize("kind", _attitude_types.IN_VERSION_1)
+@pytest.mark.parametrize("kind", _records.IN_VERSION_1)
 def test_version_1_the_other_way_round_is_the_same(tmp_path, kind):
     """A and B exchanged and the direction turned: nothing has changed, the rates' frame but named
     by its other keyword."""

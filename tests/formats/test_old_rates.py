@@ -9,7 +9,7 @@ import pytest
 from attitude import AttitudeError, Body, FreeRotation, Spin, frames
 from attitude.cli import main
 from attitude.errors import AttitudeWarning
-from attitude.formats import _attitude_types, aem, apm, detect, spin_file
+from attitude.formats import _records, aem, apm, detect, spin_file
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from tests.support import orekit
@@ -163,8 +163,8 @@ def told(history):
     [
         (version, kind)
         for version in ("1.0", "2.0")
-        for kind in _attitude_types.COLUMNS
-        if version == "2.0" or kind in _attitude_types.IN_VERSION_1
+        for kind in _records.COLUMNS
+        if version == "2.0" or kind in _records.IN_VERSION_1
     ],
 )
 def test_orekit_reads_what_was_meant(tmp_path, version, kind, xml):
@@ -187,7 +187,7 @@ def test_orekit_reads_what_was_meant(tmp_path, version, kind, xml):
     assert np.max(np.abs(seconds - orekit.tt_seconds(HISTORY))) < 1e-6  # one double since J2000
     assert apart(wxyz, told(HISTORY)) < 3e-15
     assert not np.any(np.isnan(rates))
-    if _attitude_types.has_rates(kind) and kind != "SPIN":
+    if _records.has_rates(kind) and kind != "SPIN":
         assert np.max(np.abs(rates - HISTORY.angular_velocity)) < 1e-15
 
 
