@@ -295,6 +295,15 @@ def test_a_path_or_body_may_replace_the_center_of_a_message(tmp_path):
         paths.oem(message(tmp_path, text=MESSAGE + other.replace("T00:0", "T01:0")), center=bennu)
 
 
+@pytest.mark.parametrize("name, scale", [("GPST", "GPS"), ("TDT", "TT"), ("ET", "TDB")])
+def test_other_names_of_time_systems(tmp_path, name, scale):
+    spans = [
+        paths.oem(message(tmp_path, text=MESSAGE.replace("= UTC", f"= {system}"))).span
+        for system in (name, scale)
+    ]
+    assert spans[0] == spans[1]
+
+
 def test_segments_with_other_centers_lead_to_the_barycentre(tmp_path):
     second = MESSAGE[MESSAGE.index("META_START") :].replace("= EARTH", "= MOON")
     second = second.replace("T00:0", "T01:0")
