@@ -327,7 +327,7 @@ def test_segments_with_other_centers_lead_to_the_barycentre(tmp_path):
         ("CENTER_NAME = EARTH", "CENTER_NAME EARTH", r'line 8: .* is no "KEYWORD = value"'),
         ("= EARTH", "= VULCAN", r"segment at line 5 .*CENTER_NAME is 'VULCAN'"),
         ("= ICRF", "= RTN", r"segment at line 5: REF_FRAME is RTN; it must be one of ICRF, .*ITRF"),
-        ("= UTC", "= MRT", r"segment at line 5: TIME_SYSTEM is MRT"),
+        ("= UTC", "= MRT", r"segment at line 5: TIME_SYSTEM is 'MRT'"),
         ("OBJECT_ID", "OBJECT_IDD", r"line 7: OBJECT_IDD is not known in the meta data of an OEM"),
         ("OBJECT_ID = 2026-001A", "OBJECT_NAME = X", r"line 7: OBJECT_NAME is given twice"),
         ("= LAGRANGE", "= SPLINE", r"INTERPOLATION is SPLINE"),
