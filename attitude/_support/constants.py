@@ -12,7 +12,6 @@ import math
 from typing import Final
 
 SPEED_OF_LIGHT_M_S: Final = 299792458.0
-KILOMETRE_M: Final = 1000.0
 ASTRONOMICAL_UNIT_M: Final = 149597870700.0
 SUN_RADIUS_M: Final = 6.957e8
 EARTH_RADIUS_M: Final = 6378137.0

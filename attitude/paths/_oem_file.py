@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from attitude._support.constants import KILOMETRE_M
 from attitude._textfiles import messages
 from attitude._textfiles.lines import prefixed
 from attitude._textfiles.messages import Form, MessageRows
@@ -21,7 +20,7 @@ from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
 from attitude.frames import _earth
 from attitude.paths._composed import relative
-from attitude.paths._path import SSB, body_name
+from attitude.paths._path import KM, SSB, body_name
 from attitude.paths._spk import Succession
 from attitude.paths._tabulated import table
 
@@ -163,7 +162,7 @@ def _path(block, origin, degree, center):
         raise AttitudeError(f"{where}: there are no states.")
     rows = block.rows
     interpolation, degree = _interpolation(meta, where, degree)
-    states = KILOMETRE_M * np.concatenate(rows.states)
+    states = KM * np.concatenate(rows.states)
     span = _useable(meta, rows.times, scale, where)
     with prefixed(f"{where} (states to line {rows.line})"):
         return table(

@@ -40,6 +40,9 @@ if TYPE_CHECKING:
     from attitude._support.annotations import Epoch, FloatArray, Reals
 
 
+# m in the kilometre of kernels, messages and SGP4.
+KM: float = 1000.0
+
 # ---- Names and NAIF numbers of the bodies of the solar system
 
 SSB: str = "ssb"

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude._support import pairs, validation
-from attitude._support.constants import DAY_S, JD_OF_MJD_0, KILOMETRE_M
+from attitude._support.constants import DAY_S, JD_OF_MJD_0
 from attitude._support.quantity_text import quoted
 from attitude._support.synonyms import arguments
 from attitude._textfiles import messages, toml, xml
@@ -29,7 +29,7 @@ from attitude.epochs import _inputs, _time_scales
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError, AttitudeWarning
 from attitude.frames._earth import pole_of_teme, to_gcrs
-from attitude.paths._path import Path, since, spelled
+from attitude.paths._path import KM, Path, since, spelled
 from attitude.paths._spk import Succession
 
 if TYPE_CHECKING:
@@ -101,7 +101,7 @@ class Satellite(Path):
         errors, position, velocity = model.sgp4_array(jd, model.jdsatepochF + (days - whole))
         if errors.any():
             self._refuse(errors, instant, hi)
-        return position.T * KILOMETRE_M, velocity.T * KILOMETRE_M
+        return position.T * KM, velocity.T * KM
 
     def _check_distance(self, days):
         """Refuse epochs beyond a year from that of the elements; warn once beyond two weeks."""

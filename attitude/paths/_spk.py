@@ -21,12 +21,11 @@ import numpy as np
 from attitude import frames
 from attitude._support import pairs, validation
 from attitude._support.arrays import read_only
-from attitude._support.constants import KILOMETRE_M
 from attitude._textfiles.lines import path_text
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
 from attitude.paths._compressed import EqualPieces
-from attitude.paths._path import Ephemeris, Path, body_name, since
+from attitude.paths._path import KM, Ephemeris, Path, body_name, since
 
 if TYPE_CHECKING:
     from attitude._support.annotations import FilePath
@@ -102,7 +101,7 @@ class SpiceSegment(Segment):
                 states[k] = self._evaluated(handle, descriptor, second)
         finally:
             spiceypy.dafcls(handle)
-        position, velocity = KILOMETRE_M * states.T[:3], KILOMETRE_M * states.T[3:]
+        position, velocity = KM * states.T[:3], KM * states.T[3:]
         position += velocity * remainder
         return self._in_icrf(position), self._in_icrf(velocity)
 
@@ -286,7 +285,7 @@ class KernelSegment(Segment):
             records=read_only(words[:-4].reshape(rows, size)),
             skip=2,
             count=(size - 2) // components,
-            factor=KILOMETRE_M,
+            factor=KM,
             least=segment.start_second - start,
             most=segment.end_second - start,
         )
