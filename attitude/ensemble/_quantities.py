@@ -10,6 +10,7 @@ import numpy as np
 
 from attitude._compilation.decorators import entry_point, subroutine
 from attitude._compilation.instructions import as_bits
+from attitude._solver.kernel import turned_by
 from attitude._support import pairs, validation
 from attitude._support.arrays import Immutable, frozen, read_only, units
 from attitude.ensemble import _members
@@ -139,13 +140,8 @@ def squared_tangents(wxyz, axis, x, y, z, out):
     a, b, c = axis[0], axis[1], axis[2]
     for n in range(len(out)):
         for k in range(out.shape[1]):
-            p, q, r, s = wxyz[n, 0, k], wxyz[n, 1, k], wxyz[n, 2, k], wxyz[n, 3, k]
-            d = 2.0 * (r * c - s * b)
-            e = 2.0 * (s * a - q * c)
-            f = 2.0 * (q * b - r * a)
-            u = a + p * d + (r * f - s * e)
-            v = b + p * e + (s * d - q * f)
-            w = c + p * f + (q * e - r * d)
+            q = wxyz[n, 0, k], wxyz[n, 1, k], wxyz[n, 2, k], wxyz[n, 3, k]
+            u, v, w = turned_by(q, (a, b, c))
             apart = (u - x[k]) * (u - x[k]) + (v - y[k]) * (v - y[k]) + (w - z[k]) * (w - z[k])
             far = (u + x[k]) * (u + x[k]) + (v + y[k]) * (v + y[k]) + (w + z[k]) * (w + z[k])
             out[n, k] = apart / far

@@ -13,18 +13,13 @@ import math
 from attitude._compilation.callbacks import callback, reduction_callback
 from attitude._compilation.decorators import subroutine
 from attitude._compilation.pointers import number, vector
+from attitude._solver.kernel import turned_by
 
 
 @subroutine
 def _to_body(q, x, y, z):
     """q* v q: a vector (x, y, z) of ICRF axes over the body axes."""
-    w, a, b, c = q[0], -q[1], -q[2], -q[3]
-    d, e, f = 2.0 * (b * z - c * y), 2.0 * (c * x - a * z), 2.0 * (a * y - b * x)
-    return (
-        x + w * d + (b * f - c * e),
-        y + w * e + (c * d - a * f),
-        z + w * f + (a * e - b * d),
-    )
+    return turned_by((q[0], -q[1], -q[2], -q[3]), (x, y, z))
 
 
 @subroutine
