@@ -29,7 +29,7 @@ _WHERE = {
     "Scene": "attitude.scene._scene",
     "Spin": "attitude.motions._spin",
     "TorquedRotation": "attitude.torques._torqued",
-    "certify": "attitude.motions._certify",
+    "certify": "attitude.motions._free_rotation",
     "compilation_status": "attitude._compilation.decorators",
     "compare": "attitude.referee._referee",
     "fit": "attitude.fitting._attitudes",

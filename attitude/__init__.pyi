@@ -40,8 +40,8 @@ from attitude.fitting._attitudes import fit as fit
 from attitude.fitting._attitudes import fit_directions as fit_directions
 from attitude.fitting._attitudes import fit_rates as fit_rates
 from attitude.motions._body import Body as Body
-from attitude.motions._certify import certify as certify
 from attitude.motions._free_rotation import FreeRotation as FreeRotation
+from attitude.motions._free_rotation import certify as certify
 from attitude.motions._history import AttitudeHistory as AttitudeHistory
 from attitude.motions._propagation import propagate as propagate
 from attitude.motions._spin import Spin as Spin

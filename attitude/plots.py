@@ -25,8 +25,7 @@ from attitude._textfiles.lines import path_text
 from attitude.catalog import motion_of
 from attitude.errors import AttitudeError, AttitudeWarning
 from attitude.motions import _conventions
-from attitude.motions import _polhode as curves
-from attitude.motions._free_rotation import FreeRotation
+from attitude.motions._free_rotation import FreeRotation, polhode_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -269,7 +268,7 @@ def _family(moments: FloatArray, semi: FloatArray) -> Iterator[tuple[str, FloatA
     units = np.array(states)
     solved = States.of_principal_axes(moments[None], units * semi).solved()
     for k, record in enumerate(solved.constants):
-        line = curves.polhode(record, np.eye(3), 361)
+        line = polhode_of(record, np.eye(3), 361)
         color = "black" if k == len(places) else "#999999"
         for sides in ((1, 1), (-1, 1), (1, -1), (-1, -1)):
             yield color, line * (sides[0], sides[0] * sides[1], sides[1])

@@ -213,7 +213,7 @@ def rearranged(count=1500, epochs=20_000, rounds=15):
     Errors are those of whole attitudes of random bodies at random epochs, by certificates.
     """
     from attitude._solver import codes
-    from attitude.motions._certify import chain_of
+    from attitude.motions._free_rotation import chain_of
 
     generator = random.Random(9)
     moved = {"trigonometric": [], "hyperbolic": []}

@@ -111,7 +111,7 @@ def _prove_file(file: str, spin: str | None, tolerance: float | None) -> None:
     """Print the largest proved distance of the records of a file from a free rotation."""
     from attitude._support import pairs, validation
     from attitude.formats import detect
-    from attitude.motions._certify import certify
+    from attitude.motions._free_rotation import certify
     from attitude.motions._table import AttitudeTable
 
     if spin is None:

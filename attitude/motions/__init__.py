@@ -2,12 +2,11 @@
 
 _body, _spin       `Body` and `Spin`: the inertia, and the state of rotation at an epoch
 _motion, _history  `Motion`, the contract; `AttitudeHistory`, the attitudes that motions return
-_free_rotation     `FreeRotation`; _description, _polhode, _predictability and _differentiable say
-                   more of it
+_free_rotation     `FreeRotation`; `certify`: proved distances of attitudes from the exact one;
+                   _description, _predictability and _differentiable say more of it
 _table             `AttitudeTable`: attitudes that are given at epochs
 _propagation       `propagate`: plain arrays in, plain arrays out
 _published         states in the form of papers; _conventions of their angles, _uncertainty
-_certify           `certify`: proved distances of attitudes from the exact free rotation
 _axes              attitudes relative to other axes than ICRF
 
 Chains of free rotations and motions under torques stand in `attitude.torques`.

@@ -17,19 +17,19 @@ from attitude._solver.sensitivities import Sensitivity
 from attitude._solver.states import States
 from attitude._support import markup, pairs, validation
 from attitude._support.arrays import frozen, new_array
+from attitude._support.constants import VERMILION
 from attitude._support.synonyms import checks_arguments
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion
-from attitude.motions import _conventions, _polhode, _predictability, _published
+from attitude.motions import _conventions, _predictability, _published
 from attitude.motions._body import Body
-from attitude.motions._certify import chain_of
 from attitude.motions._differentiable import Differentiable
 from attitude.motions._motion import RateBounds
 from attitude.motions._spin import Spin, refuse_others
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from numpy.typing import ArrayLike
 
@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from attitude.motions._published import Published
     from attitude.motions._uncertainty import Uncertain
     from attitude.proof._certificate import Certificate
+    from attitude.proof._chain import Chain, Joint
     from attitude.proof._error_bound import ErrorBound
 
 
@@ -264,7 +265,7 @@ class FreeRotation(Differentiable):
     def _repr_html_(self) -> str:
         """The description as a table, and the polhode, for notebooks."""
         return markup.table(
-            *markup.rows_of(str(self)), *_polhode.pictures(self.body, self.energy, self.polhode)
+            *markup.rows_of(str(self)), *pictures(self.body, self.energy, self.polhode)
         )
 
     # ---- States at epochs
@@ -557,7 +558,7 @@ class FreeRotation(Differentiable):
 
         A closed curve where the momentum circulates.
         """
-        return _polhode.polhode(self._constants[0], self.body.principal_axes, points)
+        return polhode_of(self._constants[0], self.body.principal_axes, points)
 
     def herpolhode(self, t: Epochs) -> FloatArray:
         """The path (S, 2) of the angular velocity in the invariable plane, rad/s, at epochs t.
@@ -565,7 +566,7 @@ class FreeRotation(Differentiable):
         Its origin is on the momentum, its axes point to growing colatitude and longitude of the
         direction of the momentum in ICRF.
         """
-        return _polhode.herpolhode(self.momentum, self.at(t).angular_velocity_inertial)
+        return herpolhode(self.momentum, self.at(t).angular_velocity_inertial)
 
     # ---- Errors
 
@@ -624,3 +625,185 @@ class FreeRotation(Differentiable):
 def _period(rate: float) -> float:
     """The period in s of a rate in turns per second."""
     return math.inf if rate == 0.0 else float(abs(1.0 / rate))
+
+
+# ---- Poinsot's curves in closed form: the path of the angular velocity in the body and in space
+
+
+def polhode_of(constants: Any, principal_axes: FloatArray, points: int) -> FloatArray:
+    """One circuit of the angular velocity in body axes.
+
+    Shapes: principal_axes (3, 3).
+
+    w1 = a1 cos am, w2 = -a2 sin am, w3 = a3 sqrt(cos^2 am + (1-m) sin^2 am) over the axes in
+    Jacobi order: van Zon & Schofield (2006), eqs. 3.36-3.41.
+    """
+    count = validation.count(points, "points", 2, 10_000_000)
+    if constants["form"] == codes.UNIFORM:
+        w = np.ldexp(constants["omega"][:, 0], int(constants["tempo"]))
+        return np.tile(principal_axes @ w, (count, 1))
+    first, second, minus1, minus3 = constants["jacobi"]
+    third = 3 - first - second
+    turn = np.pi if constants["mode"] != codes.SEPARATRIX else 0.5 * np.pi
+    am = np.linspace(-turn, turn, count)
+    if third == constants["order"][2]:
+        am = am[::-1]  # in short-axis mode the amplitude decreases with time
+    cosine, sine = np.cos(am), np.sin(am)
+    if turn < 3.0:
+        cosine[[0, -1]] = 0.0
+    inner = np.empty((3, count))
+    inner[0] = cosine
+    inner[1] = -sine
+    inner[2] = np.sqrt(cosine**2 + constants["mc"][0] * sine**2)
+    inner *= constants["amplitudes"][:, None]
+    even = (second - first) % 3 == 1
+    signs = np.array([1 - 2 * minus1, 1.0, 1 - 2 * minus3])
+    signs[1] = signs[0] * signs[2] * (1.0 if even else -1.0)
+    over_principal = np.empty((3, count))
+    over_principal[[first, second, third]] = signs[:, None] * inner
+    return (principal_axes @ over_principal).T
+
+
+def pictures(body: Body, energy: float, curve: Callable[[int], FloatArray]) -> list[str]:
+    """An SVG of the polhode (n, 3), of `curve`, on its ellipsoid; none at rest and for a rod."""
+    if not energy > 0.0 or np.min(body.moments) <= 0.0:
+        return []
+    axes = body.principal_axes
+    turn = np.linspace(0.0, 2.0 * np.pi, 73)
+    circles = np.zeros((3, len(turn), 3))
+    for k in range(3):
+        circles[k, :, (k + 1) % 3], circles[k, :, (k + 2) % 3] = np.cos(turn), np.sin(turn)
+    sections = circles * np.sqrt(2.0 * energy / body.moments) @ axes.T
+    # Seen from a place above the first octant of the principal axes.
+    right, up = np.array([[-0.6, 0.8, 0.0], [-0.36, -0.27, 0.89]]) @ axes.T
+    return [
+        markup.line_plot(
+            [(points_of @ right, points_of @ up) for points_of in (*sections, curve(181))],
+            "polhode on the ellipsoid of its energy, with the principal sections",
+            colors=("#bbbbbb", "#bbbbbb", "#bbbbbb", VERMILION),
+            is_equal=True,
+        )
+    ]
+
+
+def plane(momentum: FloatArray) -> FloatArray:
+    """Axes (2, 3), of growing colatitude and longitude, of the plane across the momentum (3,)."""
+    x, y, z = momentum / np.max(np.abs(momentum))
+    pole = np.array([np.arctan2(y, x), np.arctan2(z, np.hypot(x, y))])
+    return quaternion.matrix(_conventions.pole_wxyz(pole)).T[:2]
+
+
+def herpolhode(momentum: FloatArray, angular_velocity: FloatArray) -> FloatArray:
+    """Components (..., 2) in the invariable plane of angular velocities (..., 3), rad/s.
+
+    Over the axes of `plane`; momentum (3,) and angular velocities in one inertial frame.  The
+    component along the momentum, 2 E / L, is constant.
+    """
+    if not np.any(momentum):
+        raise AttitudeError("the body is at rest; without momentum there is no invariable plane.")
+    return angular_velocity @ plane(momentum).T
+
+
+# ---- Proved distances of attitudes from the exact free rotation of a body and spin
+
+
+def certify(
+    body: Body,
+    spin: Spin,
+    seconds: Epochs,
+    wxyz: Reals,
+    *,
+    low: ArrayLike | None = None,
+    angular_velocity: Reals | None = None,
+) -> Certificate:
+    """Proved distances of attitudes that anyone computed from the exact free rotation.
+
+    Parameters
+    ----------
+    body, spin : Body, Spin
+        Their doubles are exact: the moments, or the tensor if it is full; the attitude over ICRF
+        (`Spin.wxyz_icrf_as_pairs`) and the angular velocity.
+    seconds : (T,) array_like
+        TDB seconds since the epoch of the spin, or epochs as `Motion.at` takes them.
+    wxyz : (T, 4) array_like
+        Attitudes, body to ICRF, scalar first, of any length; of either sign.
+    low : (T,) array_like, optional
+        A second double of the seconds.
+    angular_velocity : (T, 3) array_like, optional
+        rad/s over the body axes, to be certified too.
+
+    Returns
+    -------
+    Certificate
+        `error` is not less than the rotation angle between each attitude and the exact one.
+
+    Raises
+    ------
+    AttitudeError
+        For wrong shapes, numbers that are not finite, a spin about an axis without inertia,
+        attitudes that 65,536 bits do not decide, and without python-flint (extra ``proof``).
+
+    Notes
+    -----
+    Arb balls around the solution of van Zon & Schofield (2006), docs/proof.md.
+
+    >>> import pytest
+    >>> flint = pytest.importorskip("flint", reason="python-flint is not installed")
+    >>> from attitude import Body, Spin
+    >>> spin = Spin("2026-01-01", (1, 0, 0, 0), (0, 0, 0.5))
+    >>> certificate = certify(Body(moments=(1, 2, 3)), spin, [0.0], [(1, 0, 1e-9, 0)])
+    >>> f"{certificate.error[0]:.3e}"
+    '2.000e-09'
+    """
+    refuse_others(body, spin, "certify takes a Body and a Spin first")
+    _check_inertia(body, spin)
+    hi, lo = _inputs.seconds_since(spin.epoch, seconds, low, name="seconds")
+    wxyz = validation.real(wxyz, "wxyz", shape=(*hi.shape, 4))
+    rates = None
+    if angular_velocity is not None:
+        rates = validation.real(
+            angular_velocity, "angular_velocity", shape=(*hi.shape, 3), unit="rad/s"
+        )
+    return chain_of(body, spin).certificate(hi, lo, wxyz, rates)
+
+
+def _check_inertia(body: Body, spin: Spin) -> None:
+    """Refuse a spin about a principal axis without inertia."""
+    rates = spin.angular_velocity
+    if body.has_given_axes and np.any((body.moments == 0.0) & (rates != 0.0)):
+        raise AttitudeError(
+            f"the angular velocity is {rates.tolist()} rad/s and the moments are "
+            f"{body.moments.tolist()}; the spin about an axis without inertia is undefined. Give 0 "
+            "for that component, or a moment above zero."
+        )
+
+
+def chain_of(body: Body, spin: Spin, joints: Sequence[Joint] = (), record: Any = None) -> Chain:
+    """The exact motion from the doubles of a body and a spin.
+
+    Where equal moments leave the order of two axes open, or a rate of zero the sense of one, they
+    are those of a record of the motion that tumbles (records.CONSTANTS).
+    """
+    from attitude.proof._chain import Chain
+
+    order, axes = None, None if body.has_given_axes else body.principal_axes
+    if record is not None:
+        order = record["order"].tolist()
+        if axes is not None:
+            first, second, reverse1, reverse3 = record["jacobi"].tolist()
+            senses = np.ones(3)
+            senses[first], senses[3 - first - second] = 1 - 2 * reverse1, 1 - 2 * reverse3
+            axes = axes * senses
+    return Chain(
+        inertia_of(body), spin.wxyz_icrf_as_pairs, spin.angular_velocity, joints, order, axes
+    )
+
+
+def inertia_of(body: Body) -> FloatArray:
+    """The moments (3,) of a body if its axes are principal, else its tensor (3, 3)."""
+    if body.moments.min() == 0.0 and not body.has_given_axes:
+        raise AttitudeError(
+            "a moment of inertia of the tensor is zero within rounding; such a body is certified "
+            "over its principal axes only: give moments."
+        )
+    return body.moments if body.has_given_axes else body.tensor

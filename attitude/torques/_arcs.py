@@ -36,11 +36,14 @@ from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
-from attitude.motions import _free_rotation
 from attitude.motions._body import Body
-from attitude.motions._certify import chain_of, inertia_of
 from attitude.motions._differentiable import Differentiable
-from attitude.motions._free_rotation import FreeRotation
+from attitude.motions._free_rotation import (
+    FreeRotation,
+    chain_of,
+    inertia_of,
+    of_free_rotation,
+)
 from attitude.motions._history import AttitudeHistory
 from attitude.motions._spin import Spin, refuse_others
 from attitude.torques._torqued import TorquedRotation
@@ -736,7 +739,7 @@ class Arcs(Differentiable):
         if self._torqued:
             return None
         omega = self.angular_velocity_at(validation.number(seconds, "seconds", unit="s"))
-        return _free_rotation.of_free_rotation(self.body_at(float(seconds)), omega)
+        return of_free_rotation(self.body_at(float(seconds)), omega)
 
     def body_at(self, t: EpochOrSeconds) -> Body:
         """The Body at one epoch, of any kind that `at` takes."""

@@ -192,7 +192,7 @@ def test_the_separatrix_of_a_tensor_is_decided():
 )
 def test_rigorous_quadrature_overlaps(moments):
     """The second proof: no theta quotient, no integral of the third kind."""
-    from attitude.motions._certify import chain_of
+    from attitude.motions._free_rotation import chain_of
     from attitude.proof._certificate import precision
     from attitude.proof._exact import rational
     from tests.support import quadrature

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from attitude import AttitudeError, Body, FreeRotation, Spin
-from attitude.motions._certify import chain_of
+from attitude.motions._free_rotation import chain_of
 from attitude.proof._error_bound import error_bound_of
 from tests.support import states
 from tests.support.measure import motion_of

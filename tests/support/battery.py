@@ -148,7 +148,7 @@ def _rounded():
 
 def _attitudes_of(case, t):
     """Exact attitudes (T, 4, 2)."""
-    from attitude.motions._certify import chain_of
+    from attitude.motions._free_rotation import chain_of
     from attitude.proof._certificate import precision
     from attitude.proof._exact import rational
 
@@ -171,7 +171,7 @@ def _doubles(x, places=2):
 
 def _exact_of(case):
     """Exact attitudes (T, 4, 2) and rates (T, 3), and constants of the motion, of a state."""
-    from attitude.motions._certify import chain_of
+    from attitude.motions._free_rotation import chain_of
     from attitude.proof._certificate import precision
     from attitude.proof._exact import flint, rational
 
