@@ -16,11 +16,11 @@ import numpy as np
 from attitude.averaged import _rates, _tables
 from attitude.averaged._polhode import Axes, Nutations
 from attitude.errors import AttitudeError
-from attitude.torques._gravity_gradient import GravityGradient
 from attitude.torques._magnetic import EddyCurrent, MagneticDipole
 from attitude.torques._radiation import AerodynamicTorque, SolarRadiation
 from attitude.torques._torque import (
     ConstantTorque,
+    GravityGradient,
     InertiaHistory,
     InternalDissipation,
     LinearDamping,

@@ -23,8 +23,7 @@ from attitude.shape._ellipsoid import Ellipsoid
 from attitude.shape._mesh import Mesh
 from attitude.shape._solids import box
 from attitude.torques._arcs import Arcs, Impulse
-from attitude.torques._gravity_gradient import GravityGradient
-from attitude.torques._torque import ConstantTorque, LinearDamping
+from attitude.torques._torque import ConstantTorque, GravityGradient, LinearDamping
 from attitude.torques._torqued import TorquedRotation
 from attitude.torques._triggers import AxisCrossesDirection
 

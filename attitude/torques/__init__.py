@@ -10,9 +10,8 @@ How to use it::
     motion = TorquedRotation(free.body, free.spin, tides, step=60.0)
     motion.at("2029-04-14")
 
-_torque             `Torque`, the contract; `ConstantTorque`, `LinearDamping`, `CustomTorque`,
-                    `InternalDissipation`, `InertiaHistory`
-_gravity_gradient   `GravityGradient`
+_torque             `Torque`, the contract; `GravityGradient`, `ConstantTorque`, `LinearDamping`,
+                    `InternalDissipation`, `InertiaHistory`, `CustomTorque`
 _radiation          `SolarRadiation`, `AerodynamicTorque`
 _magnetic           `EddyCurrent`, `MagneticDipole`; fields: `IGRF`, `DipoleField`
 _rheology           `Rheology`, `QualityFactor`, `Maxwell`: friction of an ellipsoid of a material
@@ -32,7 +31,6 @@ from attitude._support.synonyms import of_module
 
 if TYPE_CHECKING:
     # These names, for editors and type checkers.
-    from attitude.torques._gravity_gradient import GravityGradient as GravityGradient
     from attitude.torques._magnetic import IGRF as IGRF
     from attitude.torques._magnetic import DipoleField as DipoleField
     from attitude.torques._magnetic import EddyCurrent as EddyCurrent
@@ -45,6 +43,7 @@ if TYPE_CHECKING:
     from attitude.torques._rheology import Rheology as Rheology
     from attitude.torques._torque import ConstantTorque as ConstantTorque
     from attitude.torques._torque import CustomTorque as CustomTorque
+    from attitude.torques._torque import GravityGradient as GravityGradient
     from attitude.torques._torque import InertiaHistory as InertiaHistory
     from attitude.torques._torque import InternalDissipation as InternalDissipation
     from attitude.torques._torque import LinearDamping as LinearDamping
@@ -52,13 +51,17 @@ if TYPE_CHECKING:
 
 # The names of each module, which is imported when one of them is first used.
 _NAMES = {
-    "_gravity_gradient": ("GravityGradient",),
     "_magnetic": ("DipoleField", "EddyCurrent", "IGRF", "MagneticDipole", "MagneticField"),
     "_radiation": ("AerodynamicTorque", "SolarRadiation"),
     "_rheology": ("Maxwell", "QualityFactor", "Rheology"),
     "_torque": (
-        *("ConstantTorque", "CustomTorque", "InertiaHistory", "InternalDissipation"),
-        *("LinearDamping", "Torque"),
+        "ConstantTorque",
+        "CustomTorque",
+        "GravityGradient",
+        "InertiaHistory",
+        "InternalDissipation",
+        "LinearDamping",
+        "Torque",
     ),
 }
 _WHERE = {name: f"{__name__}.{file}" for file, names in _NAMES.items() for name in names}

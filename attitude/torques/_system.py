@@ -17,9 +17,8 @@ from attitude.errors import AttitudeError
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from attitude.motions._differentiable import changed
-from attitude.torques._gravity_gradient import GravityGradient
 from attitude.torques._schemes import ascending
-from attitude.torques._torque import BY_ATTITUDE, BY_RATE, LINEAR, SLIP
+from attitude.torques._torque import BY_ATTITUDE, BY_RATE, LINEAR, SLIP, GravityGradient
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
