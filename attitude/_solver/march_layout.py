@@ -27,12 +27,18 @@ SCHEME_ROWS: Final = 3
 
 # Models: one row of 5 whole numbers for each torque.
 FUNCTION: Final = 0  # address of the function of the torque
-KIND: Final = 1  # as in attitude.torques._torque
+KIND: Final = 1  # one of the kinds below
 PARAMETERS: Final = 2  # address of the parameters
 COLUMN: Final = 3  # where the samples of the torque begin in a row of samples
 SLOPE: Final = 4  # address of the function for the force gradient, or 0
 MODEL_ENTRIES: Final = 5
 MODEL_BYTES: Final = ENTRY_BYTES * MODEL_ENTRIES
+
+# Kinds of torques.
+BY_ATTITUDE: Final = 0  # depends on the attitude alone
+BY_RATE: Final = 1  # depends on the angular velocity too
+SLIP: Final = 2  # no torque, but a slip of the body under a fixed angular momentum
+LINEAR: Final = 3  # is the angular velocity times a constant matrix, `Torque.by_rate`
 
 # State: 14 doubles, over the principal axes in ascending order.
 WXYZ: Final = slice(0, 4)

@@ -29,15 +29,12 @@ from attitude._compilation.instructions import fma
 from attitude._compilation.pointers import call, number, put, put_three, whole
 from attitude._solver import march_layout as layout
 from attitude._solver.kernel import product, turned_by
+from attitude._solver.march_layout import BY_RATE, LINEAR, SLIP
 from attitude._solver.step import advance, gains, kicked, moved_by
 
 _ZERO = 0.0, 0.0, 0.0
 # (rad/s)^2; below it, fourth powers of the rate are finite.
 FASTEST: Final = 1e150
-# Kinds of torques, as in attitude.torques._torque.
-BY_RATE: Final = 1  # depends on the angular velocity
-SLIP: Final = 2  # turns the body under its momentum
-LINEAR: Final = 3  # is the angular velocity times a constant matrix
 # Longer kicks of LINEAR torques, in units of their fastest rate, are by Runge-Kutta as BY_RATE.
 _LONGEST_DAMPING: Final = 256.0
 

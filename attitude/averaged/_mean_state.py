@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from attitude._solver.march_layout import SLIP
 from attitude.averaged._polhode import shares
 from attitude.averaged._rates import torques_at
 from attitude.frames import quaternion
 from attitude.motions._free_rotation import FreeRotation
-from attitude.torques._torque import SLIP
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from attitude._solver.march_layout import SLIP
 from attitude._support.arrays import bisected
 from attitude._support.constants import DAY_S
 from attitude.averaged import _rates as layout
@@ -16,7 +17,7 @@ from attitude.averaged._means import Mean
 from attitude.errors import AttitudeError
 from attitude.paths._path import Composed
 from attitude.torques._magnetic import EddyCurrent, MagneticDipole
-from attitude.torques._torque import SLIP, Torque, positions, span_of
+from attitude.torques._torque import Torque, positions, span_of
 
 if TYPE_CHECKING:
     from attitude._support.annotations import FloatArray, IntArray

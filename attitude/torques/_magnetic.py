@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from attitude._solver import chebyshev
+from attitude._solver.march_layout import BY_RATE
 from attitude._support import pairs, validation
 from attitude._support.arrays import Immutable, frozen, read_only
 from attitude._support.constants import DAY_S
@@ -22,7 +23,6 @@ from attitude.epochs._inputs import instant as instant_of
 from attitude.errors import AttitudeError
 from attitude.paths import _ground
 from attitude.torques._torque import (
-    BY_RATE,
     Torque,
     matrix_of,
     path_of,

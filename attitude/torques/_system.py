@@ -18,7 +18,7 @@ from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from attitude.motions._differentiable import changed
 from attitude.torques._schemes import ascending
-from attitude.torques._torque import BY_ATTITUDE, BY_RATE, LINEAR, SLIP, GravityGradient
+from attitude.torques._torque import GravityGradient
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -81,7 +81,7 @@ class System:
         self.setup = self._numbers(), self._coefficients(), self._models()
         self.kicks = len(chosen.kicks)
         self.columns = sum(torque.columns for torque in torques)
-        self.slips = any(torque.kind == SLIP for torque in torques)
+        self.slips = any(torque.kind == layout.SLIP for torque in torques)
 
     def under(self, torques: tuple[Torque, ...]) -> System:
         """The same system under other torques."""
@@ -91,7 +91,9 @@ class System:
 
     def _numbers(self) -> FloatArray:
         numbers = np.empty(layout.BODY_ENTRIES)
-        by_rate = sum((torque.by_rate() for torque in self.torques if torque.kind == LINEAR), _NONE)
+        by_rate = sum(
+            (torque.by_rate() for torque in self.torques if torque.kind == layout.LINEAR), _NONE
+        )
         damping = self.axes.T @ by_rate @ self.axes / np.sort(self.body.moments)[:, None]
         for first, values in (
             (layout.MOMENTS, self.moments),
@@ -397,7 +399,7 @@ def _inertia_of(torques: tuple[Torque, ...]) -> InertiaHistory | None:
         type(torque).__name__
         for torque in torques
         if torque is not changing[0]
-        and (torque.kind != BY_ATTITUDE or isinstance(torque, GravityGradient))
+        and (torque.kind != layout.BY_ATTITUDE or isinstance(torque, GravityGradient))
     ]
     if beside:
         raise AttitudeError(
@@ -451,7 +453,7 @@ class TorquedSensitivity(Derivatives):
         self._parameters = tuple(parameters)
         self._width = 9 + len(self._parameters)
         kinds = {torque.kind for torque in system.torques}
-        self._by_rate, self._slips = bool({BY_RATE, LINEAR} & kinds), system.slips
+        self._by_rate, self._slips = bool({layout.BY_RATE, layout.LINEAR} & kinds), system.slips
 
     def at(
         self, seconds: FloatArray, low: FloatArray | None, rates: bool

@@ -10,6 +10,7 @@ import numpy as np
 
 from attitude._compilation.callbacks import Callback, callback_of, is_compiled
 from attitude._compilation.pointers import C_FUNCTION
+from attitude._solver.march_layout import BY_ATTITUDE, BY_RATE, LINEAR, SLIP
 from attitude._support import validation
 from attitude._support.arrays import Immutable, frozen
 from attitude._support.pairs import Seconds
@@ -33,15 +34,6 @@ if TYPE_CHECKING:
     PositionFunction: TypeAlias = Callable[[FloatArray], NDArray[Any]]
     AnyPath: TypeAlias = Path | PositionFunction
     AnyTorques: TypeAlias = "Torque | TorqueFunction | Iterable[Torque | TorqueFunction]"
-
-
-# Kinds: a torque that depends on the attitude alone; one that depends on the angular velocity
-# too; no torque, but a slip of the body under a fixed angular momentum; a torque that is
-# the angular velocity times a constant matrix, `Torque.by_rate`.
-BY_ATTITUDE: int = 0
-BY_RATE: int = 1
-SLIP: int = 2
-LINEAR: int = 3
 
 
 class Torque(Immutable):

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from attitude import AttitudeError, Body, FreeRotation, quaternion, shape
+from attitude._solver.march_layout import SLIP
 from attitude.averaged import AveragedMotion, _tables, over_torus
 from attitude.averaged import _means as means
 from attitude.averaged import _polhode as polhode
@@ -24,7 +25,6 @@ from attitude.torques import (
     MagneticDipole,
     SolarRadiation,
 )
-from attitude.torques._torque import SLIP
 from tests.support.mean_motions import ENVISAT, EPOCH, GM, circle, spinning
 
 SLOPE = math.asin(0.954)  # of the orbits
