@@ -280,11 +280,11 @@ def _cosine_and_sine(turns):
     return cosine, sine
 
 
-# ---- Changes of state between two free arcs: momentum added, body exchanged; in pairs of doubles
+# ---- Changes of state between two free arcs, in pairs of doubles: other axes, momentum added
 
 
-@sized_entry_point
-def change_axes(q, axes, rounded, sense):
+@subroutine
+def _change_axes(q, axes, rounded, sense):
     """q (4, 2) becomes q times the quaternion of a turn or, for a sense of -1, times its inverse.
 
     axes (3, 3, 2) is the rotation matrix, pairs; rounded (4,) its quaternion.  q is left of unit
@@ -297,8 +297,8 @@ def change_axes(q, axes, rounded, sense):
     _to_unit_length(q)
 
 
-@sized_entry_point
-def strike(moments, axes, q, w, in_body, in_space):
+@subroutine
+def _strike(moments, axes, q, w, in_body, in_space):
     """Add angular momentum to a state.
 
     Given
@@ -322,30 +322,6 @@ def strike(moments, axes, q, w, in_body, in_space):
                 put(w[j], add(pair(w[j]), div(change, pair(moments[j]))))
             else:
                 put(w[j], (math.inf, 0.0))
-
-
-@sized_entry_point
-def exchange(moments, axes, new_moments, new_axes, w):
-    """Give a body other moments and axes, as in `strike`, at the same angular momentum.
-
-    w (3, 2), rad/s over the principal axes, afterwards the new ones, is changed; it is infinite
-    about an axis without inertia.
-    """
-    momentum = np.zeros((3, 2))
-    for k in range(3):
-        total = ZERO
-        for j in range(3):
-            total = add(total, mul(pair(axes[k, j]), mul(pair(moments[j]), pair(w[j]))))
-        put(momentum[k], total)
-    for j in range(3):
-        total = ZERO
-        for k in range(3):
-            total = add(total, mul(pair(new_axes[k, j]), pair(momentum[k])))
-        if new_moments[j, 0] > 0.0:
-            total = div(total, pair(new_moments[j]))
-        elif total[0] != 0.0:
-            total = math.inf, 0.0
-        put(w[j], total)
 
 
 @subroutine
@@ -498,7 +474,7 @@ def _has_started(starts, arc, t, low):
 # ---- Chains of free arcs of many members, which change at the same epochs
 
 
-@entry_point
+@sized_entry_point
 def join_members(records, moments, axes, principal, length, q, w, in_body, in_space):
     """Carry the states of members over one arc, and add angular momentum at its end.
 
@@ -518,22 +494,38 @@ def join_members(records, moments, axes, principal, length, q, w, in_body, in_sp
     for b in range(len(records)):
         i, j = b if len(moments) > 1 else 0, b if len(axes) > 1 else 0
         rounded_axes = principal[b if len(principal) > 1 else 0]
-        change_axes(q[b], axes[j], rounded_axes, 1.0)
+        _change_axes(q[b], axes[j], rounded_axes, 1.0)
         flow(records[b], t, q[b], w[b])
-        change_axes(q[b], axes[j], rounded_axes, -1.0)
-        strike(moments[i], axes[j], q[b], w[b], in_body, in_space)
+        _change_axes(q[b], axes[j], rounded_axes, -1.0)
+        _strike(moments[i], axes[j], q[b], w[b], in_body, in_space)
 
 
-@entry_point
+@sized_entry_point
 def exchange_members(moments, axes, new_moments, new_axes, w):
     """Give all members, as in `join_members`, one other body at the same angular momentum.
 
     new_moments (3, 2) and new_axes (3, 3, 2) are those of the body afterwards; w (N, 3, 2), rad/s
-    over the principal axes, is changed.
+    over the principal axes, afterwards the new ones, is changed; it is infinite about an axis
+    without inertia.
     """
+    momentum = np.zeros((3, 2))
     for b in range(len(w)):
         i, j = b if len(moments) > 1 else 0, b if len(axes) > 1 else 0
-        exchange(moments[i], axes[j], new_moments, new_axes, w[b])
+        for k in range(3):
+            total = ZERO
+            for m in range(3):
+                along = mul(pair(moments[i, m]), pair(w[b, m]))
+                total = add(total, mul(pair(axes[j, k, m]), along))
+            put(momentum[k], total)
+        for m in range(3):
+            total = ZERO
+            for k in range(3):
+                total = add(total, mul(pair(new_axes[k, m]), pair(momentum[k])))
+            if new_moments[m, 0] > 0.0:
+                total = div(total, pair(new_moments[m]))
+            elif total[0] != 0.0:
+                total = math.inf, 0.0
+            put(w[b, m], total)
 
 
 @entry_point

@@ -15,7 +15,7 @@ from attitude._support.arrays import frozen, read_only
 from attitude._support.blocks import ProgressBar, in_rectangles
 from attitude._support.pairs import Seconds
 from attitude.torques import _arcs
-from attitude.torques._arcs import Change, InertiaChange
+from attitude.torques._arcs import CarriedStates, Change
 from attitude.torques._triggers import Trigger
 
 if TYPE_CHECKING:
@@ -102,30 +102,19 @@ def _records(
     members: States, axes: FloatArray, changes: Sequence[Change], starts: FloatArray
 ) -> NDArray[Any]:
     """Constants (B, K + 1) of the arcs of some members, with their axes (1 or B, 3, 3, 2)."""
-    solved = members.solved()
-    moments, w, wxyz = solved.moments, solved.omega.copy(), solved.wxyz
-    principal = np.array(members.principal, order="C")
-    q = np.zeros((len(wxyz), 4, 2))
-    q[..., 0] = wxyz
+    wxyz = np.zeros((len(members), 4, 2))
+    wxyz[..., 0] = members.wxyz
     if members.low is not None:
-        q[..., 1] = members.low
-    records = [_sound(solved)]
+        wxyz[..., 1] = members.low
+    chain = CarriedStates(members, wxyz, axes)
+    records = [_sound(chain.solved)]
     for change, start, end in zip(changes, starts[:-1], starts[1:], strict=True):
         length = np.array(pairs.add((end[0], end[1]), -start[0], -start[1]))
         beyond = np.abs(length[0]) > reaches(records[-1])
         if beyond.any():
             raise Failed(int(np.argmax(beyond)))
-        momenta = _arcs.momenta_of(change, np.asarray(change.angular_momentum))
-        arrays = read_only(moments), read_only(axes), read_only(principal)
-        compiled().join_members(records[-1], *arrays, length, q, w, *momenta)
-        if isinstance(change, InertiaChange):
-            body = change.body
-            new = body.moments_as_pairs, body._axes
-            compiled().exchange_members(arrays[0], arrays[1], *new, w)
-            moments = np.repeat(new[0][None], len(w), axis=0)
-            axes, principal = new[1][None], np.array(body.principal_wxyz)[None]
-        states = States(moments, principal, w.copy(), None, q[..., 0].copy())
-        records.append(_sound(states.solved()))
+        chain.join(change, np.asarray(change.angular_momentum), length)
+        records.append(_sound(chain.solved))
     return np.stack(records, axis=1)
 
 

@@ -27,7 +27,7 @@ from attitude._solver import evaluation, sensitivities
 from attitude._solver.evaluation import EPOCHS
 from attitude._solver.records import CONSTANTS
 from attitude._solver.sensitivities import Derivatives
-from attitude._solver.states import Evaluation, States, compiled
+from attitude._solver.states import Solved, States, compiled
 from attitude._support import markup, pairs, validation
 from attitude._support.arrays import Valued, frozen, read_only
 from attitude._support.synonyms import arguments
@@ -757,16 +757,22 @@ class Arcs(Differentiable):
 
     def _build(self) -> None:
         body, spin = self.body, self.spin
-        q = spin.wxyz_icrf_as_pairs.copy()
-        w = body.rates_about_principal_axes(spin.angular_velocity)
+        wxyz = spin.wxyz_icrf_as_pairs[None]
+        states = States(
+            body.moments_as_pairs[None],
+            body.principal_wxyz[None],
+            *body.over_principal_axes(spin.angular_velocity),
+            wxyz[..., 0].copy(),
+            wxyz[..., 1].copy() if spin.is_rounded else None,
+        )
+        chain = CarriedStates(states, wxyz, body._axes[None])
         records = np.empty(len(self.changes) + 1, dtype=CONSTANTS)
-        low = q[None, :, 1].copy() if spin.is_rounded else None
-        records[0] = _constants(body, q, w, body.differences(spin.angular_velocity), low)
+        records[0] = _constants(chain.solved)
         self._set("_constants", frozen(records[:1]))
-        for k, (change, time, added, body) in enumerate(self._joints()):
-            self._join(change, added, self._bodies[k], time, records[k], q, w)
+        for k, (change, time, added, _) in enumerate(self._joints()):
+            chain.join(change, added, _since(self._starts[-1], *map(np.float64, time)))
             with prefixed(f"changes[{k}] leaves no physical state"):
-                records[k + 1] = _constants(body, q, w)
+                records[k + 1] = _constants(chain.solved)
             self._set("_constants", frozen(records[: k + 2]))
 
     def _integrate(self, first: TorquedRotation) -> None:
@@ -815,18 +821,6 @@ class Arcs(Differentiable):
     def _before(self, time: Pair) -> AttitudeHistory:
         """The history of the epoch of a change while only the arcs before it are known."""
         return self.at(time[0]) if time[1] == 0.0 else self.at(time[0], time[1])
-
-    def _join(self, change, added, body, time, record, q, w):
-        """Carry the state q, w from the start of an arc over its end, in place."""
-        loops, moments, axes = compiled(), body.moments_as_pairs, body._axes
-        length = tuple(map(float, _since(self._starts[-1], *map(np.float64, time))))
-        loops.change_axes(q, axes, body.principal_wxyz, 1.0)
-        loops.flow(record, length, q, w)
-        loops.change_axes(q, axes, body.principal_wxyz, -1.0)
-        loops.strike(moments, axes, q, w, *momenta_of(change, added))
-        if isinstance(change, InertiaChange):
-            new = change.body
-            loops.exchange(moments, axes, new.moments_as_pairs, new._axes, w)
 
     # ---- Evaluation
 
@@ -885,26 +879,46 @@ class Arcs(Differentiable):
         return max(sum((high, more) <= (t, low) for high, more in self._starts.tolist()) - 1, 0)
 
 
-def momenta_of(change: Change, added: Any) -> tuple[FloatArray, FloatArray]:
-    """The momentum (3,) that a change adds over body axes, and (3, 2) over ICRF; one is zero."""
-    in_body, in_space = np.zeros(3), np.zeros((3, 2))
-    if change.frame == "body":
-        in_body[:] = added
-    else:
-        in_space[:] = frames.vector_to_icrf(change.frame, added)
-    return in_body, in_space
+def _constants(solved: Solved) -> Any:
+    """The record of the one motion; AttitudeError for a state that is not physical."""
+    if len(solved.bad):
+        raise AttitudeError(solved.fault(0))
+    return solved.constants[0]
 
 
-def _constants(body, q, w, differences=None, low=None):
-    """The record of the free motion from a state in pairs."""
-    if differences is not None:
-        differences = differences[None]
-    states = States(
-        body.moments_as_pairs[None],
-        body.principal_wxyz[None],
-        w[None].copy(),
-        differences,
-        q[None, :, 0].copy(),
-        low,
-    )
-    return Evaluation(states).prepared(range(1), rates=True).constants[0]
+class CarriedStates:
+    """States of B bodies, carried from arc to arc in pairs; `solved` has the constants of an arc.
+
+    states: at the start of the first arc; wxyz (B, 4, 2), their attitudes.
+    axes: (1 or B, 3, 3, 2) columns, the principal axes in body axes.
+    """
+
+    def __init__(self, states: States, wxyz: FloatArray, axes: FloatArray) -> None:
+        self.solved = states.solved()
+        self._wxyz, self._omega = wxyz.copy(), self.solved.omega.copy()
+        self._inertia = self.solved.moments, axes, self.solved.principal
+
+    def join(self, change: Change, added: Any, length: Any) -> None:
+        """Carry the states over an arc of `length` (2,), s, and through the change at its end."""
+        in_body, in_space = np.zeros(3), np.zeros((3, 2))
+        if change.frame == "body":
+            in_body[:] = added
+        else:
+            in_space[:] = frames.vector_to_icrf(change.frame, added)
+        inertia = tuple(map(read_only, self._inertia))
+        compiled().join_members(
+            self.solved.constants,
+            *inertia,
+            np.array(length),
+            self._wxyz,
+            self._omega,
+            in_body,
+            in_space,
+        )
+        if isinstance(change, InertiaChange):
+            new = change.body
+            compiled().exchange_members(*inertia[:2], new.moments_as_pairs, new._axes, self._omega)
+            self._inertia = new.moments_as_pairs[None], new._axes[None], new.principal_wxyz[None]
+        moments, _, principal = self._inertia
+        wxyz = self._wxyz[..., 0].copy()
+        self.solved = States(moments, principal, self._omega.copy(), None, wxyz).solved()
