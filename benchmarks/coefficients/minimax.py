@@ -91,17 +91,23 @@ class PolynomialFit:
         def error(x):
             return self.weight(x) * (self.function(x) - horner(kept, x))
 
+        x = [sample[0] for sample in self._samples]
+        e = [weight * (value - horner(kept, each)) for each, value, weight in self._samples]
+        found = [(x[0], e[0])]
+        for k in range(1, len(x) - 1):
+            side = 1 if e[k] > 0 else -1
+            if side * e[k - 1] <= side * e[k] > side * e[k + 1]:
+                found.append(_refined(error, x[k - 1 : k + 2], e[k - 1 : k + 2]))
+        return [*found, (x[-1], e[-1])]
+
+    @cached_property
+    def _samples(self):
+        """Points at which every error is taken, with the function and the weight there."""
         start, stop = self._ends()
         count = _SAMPLES * (self.count + 1)
         angles = [mpf(k) / count for k in range(count + 1)]
         x = [(start + stop - (stop - start) * mp.cospi(a)) / 2 for a in angles]
-        e = [error(each) for each in x]
-        found = [(x[0], e[0])]
-        for k in range(1, count):
-            side = 1 if e[k] > 0 else -1
-            if side * e[k - 1] <= side * e[k] > side * e[k + 1]:
-                found.append(_refined(error, x[k - 1 : k + 2], e[k]))
-        return [*found, (x[-1], e[-1])]
+        return [(each, self.function(each), self.weight(each)) for each in x]
 
 
 def power_series(coefficient, terms=45):
@@ -124,20 +130,20 @@ def horner(coefficients, x):
     return total
 
 
-def _refined(error, x, value):
-    """The extremum near the middle one of three points, and the error there."""
-    place, (low, middle, high) = x[1], x
+def _refined(error, x, errors):
+    """The extremum near the middle one of three points, and the error there, from the errors."""
+    (low, middle, high), (left, here, right) = x, errors
     for _ in range(_PARABOLAS):
-        left, here, right = error(low), error(middle), error(high)
         p, q = (middle - low) * (here - right), (middle - high) * (here - left)
         if p == q:
             break
         middle -= ((middle - low) * p - (middle - high) * q) / (2 * (p - q))
         width = (high - low) / 200
         low, high = middle - width, middle + width
-    if x[0] < middle < x[2] and abs(error(middle)) >= abs(value):
-        return middle, error(middle)
-    return place, value
+        left, here, right = error(low), error(middle), error(high)
+    if x[0] < middle < x[2] and abs(here) >= abs(errors[1]):
+        return middle, here
+    return x[1], errors[1]
 
 
 def _alternating(extrema, count):
