@@ -335,7 +335,10 @@ class FieldOnPath:
     def apart(self, instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
         """As `at`, by differences, and kept: means of two strengths ask for the same epochs."""
         key = instant.seconds, instant.low, seconds.tobytes(), low.tobytes()
-        return self._apart.of([key], lambda _: [self._differenced(instant, seconds, low)])[0]
+        answer = self._apart.get(key)  # 1 microsecond faster than `of`
+        if answer is None:
+            [answer] = self._apart.of([key], lambda _: [self._differenced(instant, seconds, low)])
+        return answer
 
     def _differenced(self, instant, seconds, low):
         """The rate by differences of fourth order; inwards at the ends of the path's span."""
