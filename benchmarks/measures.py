@@ -110,22 +110,23 @@ class Measures:
     folders: dict
 
 
-def modules_of(root, left_out=LATER):
-    """{dotted name: Module} of the package in a checkout, without some files and folders."""
-    package = root / PACKAGE
+def modules_of(root):
+    """{dotted name: Module} of the package in a checkout."""
     modules = {}
-    for path in sorted(package.rglob("*.py")):
-        if path.relative_to(package).parts[0] in left_out:
-            continue
+    for path in sorted((root / PACKAGE).rglob("*.py")):
         parts = path.relative_to(root).with_suffix("").parts
         name = ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
         text = path.read_text("utf-8")
         modules[name] = Module(name, path, text, ast.parse(text))
+    return modules
+
+
+def note_imports(modules):
+    """Fill in which of some modules each one loads, and imports for types."""
     for module in modules.values():
         _collect_imports(module, module.tree, module.loads, modules)
         module.loads.discard(module.name)
         module.types.discard(module.name)
-    return modules
 
 
 def _collect_imports(module, node, into, modules):
@@ -348,7 +349,14 @@ def long_calls(module):
 
 def measure(root):
     """The measures of the package in a checkout."""
-    modules = modules_of(root)
+    every = modules_of(root)
+    package = root / PACKAGE
+    modules = {
+        name: module
+        for name, module in every.items()
+        if module.path.relative_to(package).parts[0] not in LATER
+    }
+    note_imports(modules)
     loads = {name: module.loads for name, module in modules.items()}
     both = {name: module.loads | module.types for name, module in modules.items()}
     folders = {}
@@ -360,7 +368,6 @@ def measure(root):
     across = [c for c in circles if len({modules[name].folder for name in c}) > 1]
     sizes = _by_folder(modules)
     files, lines, code, tokens = (sum(row[k] for row in sizes.values()) for k in range(4))
-    every = modules_of(root, left_out=())
     return Measures(
         files=files,
         lines=lines,
