@@ -320,7 +320,7 @@ def _cone(rates, acceleration):
 # Largest deviation from 1 of the length of a quaternion: some files print few digits.
 TOLERANCE: float = 1e-3
 # Seconds since J2000 beyond which no epoch is read: 30 million years.
-_LARGEST = 1e15
+LATEST: float = 1e15
 # Rounding of START_TIME and STOP_TIME, s: files write them with fewer digits than epochs.
 _ROUNDED = 1e-3
 
@@ -376,7 +376,7 @@ class Rows(MessageRows):
         self, hi: FloatArray, lo: FloatArray, values: FloatArray, lines: Sequence[int]
     ) -> None:
         """Add N records whose epochs are TDB seconds since J2000, hi + lo."""
-        finite = np.isfinite(values).all(axis=1) & (np.abs(hi) < _LARGEST)
+        finite = np.isfinite(values).all(axis=1) & (np.abs(hi) < LATEST)
         if not np.all(finite):
             k = int(np.argmin(finite))
             raise self.fault("it holds a number that is not finite or too large.", lines[k])

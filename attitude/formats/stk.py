@@ -35,7 +35,14 @@ from attitude.epochs._instants import J2000, Instant
 from attitude.errors import AttitudeError
 from attitude.formats import _sampling
 from attitude.formats._format import Format, Option, refuse_foreign, register, table_reader
-from attitude.formats._records import TOLERANCE, Convention, Rows, columns_of, known_tolerance
+from attitude.formats._records import (
+    LATEST,
+    TOLERANCE,
+    Convention,
+    Rows,
+    columns_of,
+    known_tolerance,
+)
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from attitude.motions import _axes as motions_axes
@@ -547,8 +554,10 @@ class _Records(Rows):
                     f"the time {shown!r} cannot be read: {err.reason}.", lines[err.index]
                 ) from err
         seconds = self.seconds_of(leads[0], lines)
-        if not np.all(np.isfinite(seconds)):
-            raise self.fault("its time is not finite.", lines[int(np.argmin(np.isfinite(seconds)))])
+        is_near = np.abs(seconds) <= LATEST
+        if not np.all(is_near):
+            reason = f"its time is not finite, or beyond {LATEST:g}."
+            raise self.fault(reason, lines[int(np.argmin(is_near))])
         unit = UNITS[self._header.time_format]
         pair = (seconds, 0.0) if unit == 1.0 else pairs.product(seconds, unit)
         return _time_scales.tdb_from("tai", *pairs.add(self._start, *pair))

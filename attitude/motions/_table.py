@@ -19,7 +19,7 @@ from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from attitude.motions._history import AttitudeHistory
 from attitude.motions._motion import Motion
-from attitude.paths._tabulated import newton_form, newton_values, settled_degree
+from attitude.paths._tabulated import newton_form, newton_values, refuse_uneven, settled_degree
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -150,6 +150,8 @@ def _interpolated_rates(table, row, ahead):
 
 # Seconds beyond the limits of a table that count as within: the rounding of epochs given as dates.
 _SLACK = 1e-9
+# s from the epoch, at most: 3e10 years.
+_FARTHEST = 1e18
 # Greatest angular velocity, rad/s.
 _FASTEST = 1e30
 # Seconds from the epoch of a table up to which an error message writes a date.
@@ -204,7 +206,8 @@ class AttitudeTable(Motion):
     Raises
     ------
     AttitudeError
-        For epochs that do not increase, other shapes, and quaternions whose length is not 1.
+        For epochs that do not increase, are beyond 1e18 s or have distances with ratios above
+        1e15; for other shapes, and quaternions whose length is not 1.
 
     >>> table = AttitudeTable("2026-01-01", [0, 10], [[1, 0, 0, 0], [0, 0, 0, 1]], method="slerp")
     >>> table.at(5.0).wxyz.round(12)
@@ -500,9 +503,14 @@ def refuse_speed(rates: FloatArray | None) -> None:
 
 
 def _refuse_disorder(hi: FloatArray, lo: FloatArray) -> None:
-    """AttitudeError for epochs that are not finite or do not increase."""
+    """AttitudeError for epochs that are not finite, not increasing, too far or too uneven."""
     if not np.all(np.isfinite(hi + lo)):
         raise AttitudeError("t holds an epoch that is not finite; leave such records out.")
+    farthest = np.abs(hi).max(initial=0.0)
+    if farthest > _FARTHEST:
+        raise AttitudeError(
+            f"an epoch of t lies at {farthest:.3g} s; give {_FARTHEST:g} s at most."
+        )
     steps = np.diff(hi) + np.diff(lo)
     if np.any(steps <= 0.0):
         k = int(np.flatnonzero(steps <= 0.0)[0])
@@ -510,3 +518,4 @@ def _refuse_disorder(hi: FloatArray, lo: FloatArray) -> None:
         raise AttitudeError(
             f"epoch {k + 1} of t {what} the one before it; give increasing epochs, each once."
         )
+    refuse_uneven(steps, "t")

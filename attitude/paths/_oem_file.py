@@ -162,7 +162,8 @@ def _path(block, origin, degree, center):
         raise AttitudeError(f"{where}: there are no states.")
     rows = block.rows
     interpolation, degree = _interpolation(meta, where, degree)
-    states = KM * np.concatenate(rows.states)
+    with np.errstate(over="ignore"):  # `table` refuses what is not finite
+        states = KM * np.concatenate(rows.states)
     span = _useable(meta, rows.times, scale, where)
     with prefixed(f"{where} (states to line {rows.line})"):
         return table(

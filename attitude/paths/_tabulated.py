@@ -32,6 +32,20 @@ if TYPE_CHECKING:
 
 # The greatest degree.
 MOST_DEGREE: int = 31
+# m and m/s: a thousand times the universe, and squares of it are finite.
+_MOST = 1e30
+# Of the longest distance of two rows over the shortest: rounded nodes of a polynomial through both
+# would coincide beyond.
+_UNEVEN = 1e15
+
+
+def refuse_uneven(steps: FloatArray, name: str) -> None:
+    """AttitudeError for distances of rows (N,), s, that no polynomial can pass through."""
+    if len(steps) and steps.max() > _UNEVEN * steps.min():
+        raise AttitudeError(
+            f"rows of {name} lie {steps.min():.3g} s to {steps.max():.3g} s apart, of which one "
+            f"is more than {_UNEVEN:g} times the other; leave out rows."
+        )
 
 
 def _interval_polynomials(knots, knots_low, values, rates, degree):
@@ -180,8 +194,8 @@ def table(
     Raises
     ------
     AttitudeError
-        For a single row, rows that are not finite or not ascending, a span that has no time in
-        common with them, other shapes and units.
+        For a single row, rows that are not finite, above 1e30 m or 1e30 m/s, or not ascending, a
+        span that has no time in common with them, other shapes and units.
     """
     r = validation.real(positions, "positions", shape=(..., 3), unit="m")
     if r.ndim != 2:
@@ -189,6 +203,11 @@ def table(
     v = None
     if velocities is not None:
         v = validation.real(velocities, "velocities", shape=r.shape, unit="m/s")
+    for values, unit in ((r, "m"), (v, "m/s")):
+        if values is not None and np.abs(values).max(initial=0.0) > _MOST:
+            raise AttitudeError(
+                f"a row has {np.abs(values).max():.3g} {unit}; give at most {_MOST:g} {unit}."
+            )
     first, knots, low = _knots(times, start, len(r))
     method, degree = _method(interpolation, degree, v is not None, len(knots))
     kind = frames.known(frame, more=_OF_EARTH)
@@ -259,6 +278,7 @@ def _knots(times, start, count):
             f"later than row {row} ({spelled(start.after(hi[row]))}); sort them and leave out "
             "repeated ones."
         )
+    refuse_uneven(order, "times")
     return start, *pairs.two_sum(hi, lo)
 
 

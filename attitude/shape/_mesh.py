@@ -276,6 +276,10 @@ def _about_center(density, measure, first, second, origin):
 # ---- Checks of the vertices, facets and materials of a mesh, each with the facets at fault named
 
 
+# m: moments of inertia, fifth powers of lengths, are finite.
+_LARGEST = 1e60
+
+
 def vertices_of(value: Any) -> FloatArray:
     """A new array (V, 3) of finite coordinates, m."""
     array = validation.real(value, "vertices", unit="m", finite=False)
@@ -287,6 +291,9 @@ def vertices_of(value: Any) -> FloatArray:
             f"vertices {listed(bad)} hold NaN or infinity (the first is {array[bad[0]]}); every "
             "coordinate must be finite."
         )
+    largest = np.abs(array).max()
+    if largest > _LARGEST:
+        raise AttitudeError(f"a vertex lies at {largest:.3g} m; give at most {_LARGEST:g} m.")
     return array
 
 

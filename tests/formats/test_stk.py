@@ -107,6 +107,7 @@ BAD = [
     (r"90\.0  0 0 0\.7", "90.0  0 0 0.8", "line 10: the length of the quaternion is off 1 by"),
     (r"90\.0 ", "-1 ", "line 10: the epoch goes backwards"),
     (r"90\.0 ", "nan ", "line 10: its time is not finite"),
+    (r"90\.0 ", "1e308 ", r"line 10: its time is not finite, or beyond 1e\+15"),
     (r"90\.0 ", "ninety ", "line 10: 'ninety' is no number"),
     (r"90\.0 ", "", "line 10: it has 7 entries"),
     (r"END Attitude\n", "END Attitude\nmore\n", "line 12: there is more after"),

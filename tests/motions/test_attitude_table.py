@@ -157,6 +157,8 @@ WRONG_WAY = "2026-01-01T00:00:01.5", "2026-01-01T00:00:01"
         (lambda q: AttitudeTable("2026-01-01", [0, 1], q), "shape"),
         (lambda q: AttitudeTable("2026-01-01", 0.0, q[:1]), "row of epochs"),
         (lambda q: AttitudeTable("2026-01-01", [0, 1, np.nan], q), "not finite"),
+        (lambda q: AttitudeTable("2026-01-01", [0, 1, 1e308], q), r"t lies at 1e\+308 s; give 1e"),
+        (lambda q: AttitudeTable("2026-01-01", [0, 1, 1e16], q), r"lie 1 s to 1e\+16 s apart"),
         (lambda q: AttitudeTable("2026-01-01", [0, 1, 2], q * 1.01), "off 1 by"),
         (lambda q: AttitudeTable("2026-01-01", [0, 1, 2], q * 0.0), "no attitude"),
         (lambda q: AttitudeTable("2026-01-01", [0, 1, 2], q, method="spline"), "spline"),

@@ -122,6 +122,9 @@ def test_frames_are_turned():
         ({"interpolation": "hermite"}, "needs velocities"),
         ({"interpolation": "spline"}, "must be one of 'lagrange', 'hermite'"),
         ({"positions": np.full((4, 3), np.nan)}, "positions holds nan"),
+        ({"positions": np.full((4, 3), -1e31)}, r"a row has 1e\+31 m; give at most 1e\+30 m"),
+        ({"velocities": np.full((4, 3), 1e31)}, r"a row has 1e\+31 m/s; give at most"),
+        ({"times": [0.0, 1.0, 2.0, 1e16]}, r"rows of times lie 1 s to 1e\+16 s apart"),
         ({"positions": np.zeros((4, 2))}, "positions has shape"),
         ({"frame": "rtn"}, "frame is 'rtn'; it must be one of 'icrf', .*'itrf'"),
         ({"frame": "itrf"}, "[Ee]arth"),  # 2029 is beyond the table of Earth orientation
@@ -346,6 +349,7 @@ def test_segments_with_other_centers_lead_to_the_barycentre(tmp_path):
         ),
         ("DEGREE = 3", "DEGREE = x", r"INTERPOLATION_DEGREE is x"),
         ("DEGREE = 3", "DEGREE = 0", r"the interpolation degree is 0; give a whole number"),
+        ("7000.0 60 0", "7000.0 1e308 0", r"positions holds inf"),
         ("7000.0 60 0", "7000.0 nan 0", r"line 18: a number is not finite; a state has"),
         (
             "7000.0 60 0 0 1.0 0",

@@ -261,6 +261,7 @@ def test_an_inside_out_body_is_refused_and_a_cavity_is_not():
         ([[0, 0, 0], [1, 0, 0], [2, 0, 0]], [[0, 1, 2]], "facets 0 are degenerate"),
         ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 1]], "facets 0 are degenerate"),
         ([[0, 0, 0], [1, 0, 0], [0, np.nan, 0]], [[0, 1, 2]], "vertices 2 hold NaN"),
+        ([[0, 0, 0], [1, 0, 0], [0, -1e61, 0]], [[0, 1, 2]], r"vertex lies at 1e\+61 m; give at"),
         ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 3]], "facets 0 name vertices"),
         ([[0, 0], [1, 0], [0, 1]], [[0, 1, 2]], r"give \(V, 3\)"),
         ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2], [0, 1]], "facets is ragged"),
