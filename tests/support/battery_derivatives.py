@@ -250,7 +250,8 @@ def _check_far(constants, tangents, of):
             memory = np.full(math.prod(shape) + 8, np.nan)
             line = -(memory.ctypes.data // 8) % 8  # where a line of the caches begins
             out = memory[line : line + math.prod(shape)].reshape(shape)
-            sensitivities.covariances(constants, tangents, of, t[:, first:], None, out)
+            later = np.ascontiguousarray(t[:, first:])  # as the package passes epochs
+            sensitivities.covariances(constants, tangents, of, later, None, out)
         finally:
             _stream_from(limit)
         found.append(out)
