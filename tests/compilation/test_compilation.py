@@ -179,10 +179,12 @@ def test_an_edit_of_another_file_is_compiled(tmp_path):
     with open(copy / "plots.py", "a") as other:
         other.write("# a comment\n")
     assert run() == ["7.0", "1", "-1.0", "1"]
+    edit("torques/_compiled.py", "def linear_damping(", "-(p[3 * k]", "(p[3 * k]")
+    assert run() == ["7.0", "1", "1.0", "0"]
     edit("_solver/twofloat.py", "def two_sum(a, b):", "    s = a + b\n", "    s = a + b + 1.0\n")
-    assert run() == ["8.0", "0", "-1.0", "1"]
+    assert run()[:2] == ["8.0", "0"]
     edit("_compilation/pointers.py", "import", "\n", "\n\n")
-    assert run()[2:] == ["-1.0", "0"]
+    assert run()[2:] == ["1.0", "0"]
 
 
 def test_imports_are_found_as_python_finds_them():
