@@ -62,8 +62,16 @@ if TYPE_CHECKING:
 
 # The attributes that are pickled.
 _KEPT = (
-    *("wxyz", "angular_velocity", "frame", "names", "on_error"),
-    *("_inertia", "_members", "_low", "_start", "_bad"),
+    "wxyz",
+    "angular_velocity",
+    "frame",
+    "names",
+    "on_error",
+    "_inertia",
+    "_members",
+    "_low",
+    "_start",
+    "_bad",
 )
 
 

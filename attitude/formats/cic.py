@@ -55,8 +55,12 @@ _FORM = replace(
 )
 # Keywords of an AEM that written files leave out, as those of VTS and its tools do.
 _LEFT_OUT = (
-    *("START_TIME", "STOP_TIME", "USEABLE_START_TIME", "USEABLE_STOP_TIME"),
-    *("INTERPOLATION_METHOD", "INTERPOLATION_DEGREE"),
+    "START_TIME",
+    "STOP_TIME",
+    "USEABLE_START_TIME",
+    "USEABLE_STOP_TIME",
+    "INTERPOLATION_METHOD",
+    "INTERPOLATION_DEGREE",
 )
 
 

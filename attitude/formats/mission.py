@@ -134,9 +134,22 @@ _TEXTS = ("name", "source", "note")
 _OF_SITES = ("night", "site_limits")
 _OPTIONS = ("ephemeris", "light_time", "aberration", "shadow_of", "tolerance", "threads")
 _KEYS = (
-    *(*_TEXTS, "body", "spin", "errors", "center", "observer", "sun", "columns", "times"),
-    *("shape", "scattering", "magnitude", "torque", "integration"),
-    *(*_OPTIONS, *_OF_SITES),
+    *_TEXTS,
+    "body",
+    "spin",
+    "errors",
+    "center",
+    "observer",
+    "sun",
+    "columns",
+    "times",
+    "shape",
+    "scattering",
+    "magnitude",
+    "torque",
+    "integration",
+    *_OPTIONS,
+    *_OF_SITES,
 )
 _OF_STATE = ("body", "spin", "errors")
 # The columns of a file with a shape and without columns.
@@ -497,7 +510,13 @@ _TORQUES: dict[str, tuple[str, ...]] = {
     "constant": ("torque",),
     "linear_damping": ("coefficient",),
     "internal_dissipation": (
-        *("strength", "axes", "density", "rigidity", "quality", "viscosity", "poisson"),
+        "strength",
+        "axes",
+        "density",
+        "rigidity",
+        "quality",
+        "viscosity",
+        "poisson",
     ),
 }
 

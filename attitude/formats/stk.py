@@ -69,8 +69,18 @@ __all__ = ["read", "write"]
 # TAI.
 
 MONTHS: tuple[str, ...] = (
-    *("January", "February", "March", "April", "May", "June", "July", "August", "September"),
-    *("October", "November", "December"),
+    "January",
+    "February",
+    "March",
+    "April",
+    "May",
+    "June",
+    "July",
+    "August",
+    "September",
+    "October",
+    "November",
+    "December",
 )
 _DATE = re.compile(r"(\d{1,2}) ([A-Za-z]{3,9}) (\d{4}) (\d{1,2}):(\d{2}):(\d{2})(\.\d*)?", re.ASCII)
 _ISO = re.compile(r"\d{4}-(\d{2}-\d{2}|\d{3})T\d{2}:\d{2}:\d{2}(\.\d*)?Z?", re.ASCII)
@@ -241,10 +251,21 @@ def _unit(v):
 # ---- The head of an STK attitude file: version, keywords, axes, interpolation, times
 
 _KEYWORDS = (
-    *("MessageLevel", "NumberOfAttitudePoints", "BlockingFactor", "InterpolationOrder"),
-    *("InterpolationMethod", "CentralBody", "ScenarioEpoch", "TimeFormat", "CoordinateAxes"),
-    *("CoordinateAxesEpoch", "Sequence", "AttitudeDeviations", "InitialQuaternion"),
-    *("InitialEulerAngle", "InitialYPRAngle"),
+    "MessageLevel",
+    "NumberOfAttitudePoints",
+    "BlockingFactor",
+    "InterpolationOrder",
+    "InterpolationMethod",
+    "CentralBody",
+    "ScenarioEpoch",
+    "TimeFormat",
+    "CoordinateAxes",
+    "CoordinateAxesEpoch",
+    "Sequence",
+    "AttitudeDeviations",
+    "InitialQuaternion",
+    "InitialEulerAngle",
+    "InitialYPRAngle",
 )
 _BY_LOWER = {name.lower(): name for name in (*SECTIONS, *REFUSED)}
 _KEYWORD_BY_LOWER = {name.lower(): name for name in _KEYWORDS}
@@ -433,7 +454,9 @@ def _read_banner(lines):
 
 # Sections that are written.
 WRITTEN: tuple[str, ...] = (
-    *("AttitudeTimeQuatAngVels", "AttitudeTimeQuaternions", "AttitudeTimeQuatScalarFirst"),
+    "AttitudeTimeQuatAngVels",
+    "AttitudeTimeQuaternions",
+    "AttitudeTimeQuatScalarFirst",
     "AttitudeTimeEulerAngles",
 )
 # Kind of axes -> name in STK.

@@ -20,6 +20,7 @@ array([[ 0.,  1.,  0.],
 from __future__ import annotations
 
 from functools import cached_property
+from itertools import permutations
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -69,8 +70,8 @@ __all__ = [
 
 
 EULER_SEQUENCES: tuple[str, ...] = (
-    *("XYX", "XZX", "YXY", "YZY", "ZXZ", "ZYZ"),
-    *("XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"),
+    *(a + b + a for a, b in permutations("XYZ", 2)),
+    *("".join(axes) for axes in permutations("XYZ")),
 )
 
 

@@ -231,8 +231,14 @@ def _two_by_four(rows, a, b, n, first, end):
         z = eight(rows, b + 3 * n + i)
         p3, q3 = p3 + x * z, q3 + y * z
     return (
-        *(summed_up(p0), summed_up(p1), summed_up(p2), summed_up(p3)),
-        *(summed_up(q0), summed_up(q1), summed_up(q2), summed_up(q3)),
+        summed_up(p0),
+        summed_up(p1),
+        summed_up(p2),
+        summed_up(p3),
+        summed_up(q0),
+        summed_up(q1),
+        summed_up(q2),
+        summed_up(q3),
     )
 
 

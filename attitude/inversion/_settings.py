@@ -24,10 +24,27 @@ from attitude.errors import AttitudeError
 # left to fit.
 _ABOVE_ZERO = frozenset(
     {
-        *("tie", "tie_given", "tumblers", "by_chance", "short_modes", "poles", "block"),
-        *("quick_starts", "scan_starts", "deep_starts", "class_starts", "map_starts"),
-        *("windows", "joined_poles", "known_fitted", "known_expected"),
-        *("alias_starts", "axial_starts", "axial_coarser", "scan_points", "scan_rates"),
+        "tie",
+        "tie_given",
+        "tumblers",
+        "by_chance",
+        "short_modes",
+        "poles",
+        "block",
+        "quick_starts",
+        "scan_starts",
+        "deep_starts",
+        "class_starts",
+        "map_starts",
+        "windows",
+        "joined_poles",
+        "known_fitted",
+        "known_expected",
+        "alias_starts",
+        "axial_starts",
+        "axial_coarser",
+        "scan_points",
+        "scan_rates",
     }
 )
 

@@ -283,13 +283,6 @@ def _separatrix(motion: FreeRotation, errors: _Errors) -> str:
 # errors, as `_uncertainty.spread` does from published numbers: without derivatives, and with the
 # limits that bodies and modes set.
 
-_NAMES = (
-    *("spin_rate", "period", "period_psi", "period_phi", "P_phi_L", "P_phi_S"),
-    *("nutation_least", "nutation_greatest"),
-    *("spin_rate_least", "spin_rate_greatest", "spin_rate_mean", "energy_ratio", "one_minus_m"),
-    *("momentum", "right_ascension", "declination", "longitude", "latitude"),
-    *("energy", "separatrix_distance"),
-)
 # Angles of a whole turn.
 _TURNING = ("right_ascension", "longitude")
 # Modes beside which the axis of circulation is the same, unless errors reach the separatrix.
@@ -308,12 +301,14 @@ def deviations(motion: FreeRotation, errors: FloatArray) -> dict[str, Uncertain]
     steps = [sign * column for column in columns if np.any(column) for sign in (1.0, -1.0)]
     start = np.zeros(9)
     ends = [possible_end(start, step, lambda end: _exists(motion, end)) for step in steps]
-    values = np.array([_numbers(motion), *(_numbers(motion.changed(end)) for end in ends)])
+    numbers = [_numbers(motion), *(_numbers(motion.changed(end)) for end in ends)]
+    names = list(numbers[0])
+    values = np.array([list(row.values()) for row in numbers])
     for name in _TURNING:
-        k = _NAMES.index(name)
+        k = names.index(name)
         away = values[1:, k] - values[0, k]
         values[1:, k] = values[0, k] + (away + math.pi) % (2.0 * math.pi) - math.pi
-    return dict(zip(_NAMES, in_quadrature(values), strict=True))
+    return dict(zip(names, in_quadrature(values), strict=True))
 
 
 def _exists(motion: FreeRotation, changes: FloatArray) -> bool:
@@ -325,25 +320,36 @@ def _exists(motion: FreeRotation, changes: FloatArray) -> bool:
     return motion.mode not in _CIRCULATING or other.circulates_about == motion.circulates_about
 
 
-def _numbers(motion: FreeRotation) -> list[float]:
+def _numbers(motion: FreeRotation) -> dict[str, float]:
     regime, axis = motion.regime, motion.circulates_about
     nutation = (math.nan, math.nan) if axis is None else regime.nutation(axis[0])
     speed = float(regime.spin_rate)
     momentum = np.asarray(motion.momentum)
     ecliptic = frames.matrix_to_icrf("ecliptic").T @ momentum
-    return [
-        *(speed, math.inf if speed == 0.0 else 2.0 * math.pi / speed),
-        *(motion.period_psi, motion.period_phi, float(regime.P_phi_L), float(regime.P_phi_S)),
-        *(float(angle) for angle in nutation),
-        *(float(rate) for rate in regime.spin_rate_range),
-        *(float(regime.mean_spin_rate), float(regime.energy_ratio), float(regime.one_minus_m)),
-        *(
-            float(np.linalg.norm(momentum)),
-            *_longitude_and_latitude(momentum),
-            *_longitude_and_latitude(ecliptic),
-        ),
-        *(motion.energy, motion.separatrix_distance),
-    ]
+    right_ascension, declination = _longitude_and_latitude(momentum)
+    longitude, latitude = _longitude_and_latitude(ecliptic)
+    return {
+        "spin_rate": speed,
+        "period": math.inf if speed == 0.0 else 2.0 * math.pi / speed,
+        "period_psi": motion.period_psi,
+        "period_phi": motion.period_phi,
+        "P_phi_L": float(regime.P_phi_L),
+        "P_phi_S": float(regime.P_phi_S),
+        "nutation_least": float(nutation[0]),
+        "nutation_greatest": float(nutation[1]),
+        "spin_rate_least": float(regime.spin_rate_range[0]),
+        "spin_rate_greatest": float(regime.spin_rate_range[1]),
+        "spin_rate_mean": float(regime.mean_spin_rate),
+        "energy_ratio": float(regime.energy_ratio),
+        "one_minus_m": float(regime.one_minus_m),
+        "momentum": float(np.linalg.norm(momentum)),
+        "right_ascension": right_ascension,
+        "declination": declination,
+        "longitude": longitude,
+        "latitude": latitude,
+        "energy": motion.energy,
+        "separatrix_distance": motion.separatrix_distance,
+    }
 
 
 def _longitude_and_latitude(vector: FloatArray) -> tuple[float, float]:

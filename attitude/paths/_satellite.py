@@ -47,8 +47,14 @@ _WARNED = 14.0
 # Days beyond which it refuses.
 _REFUSED = 365.25
 _OMM_NEEDED = (
-    *("EPOCH", "MEAN_MOTION", "ECCENTRICITY", "INCLINATION", "RA_OF_ASC_NODE"),
-    *("ARG_OF_PERICENTER", "MEAN_ANOMALY", "BSTAR"),
+    "EPOCH",
+    "MEAN_MOTION",
+    "ECCENTRICITY",
+    "INCLINATION",
+    "RA_OF_ASC_NODE",
+    "ARG_OF_PERICENTER",
+    "MEAN_ANOMALY",
+    "BSTAR",
 )
 # Fields that SGP4 does not use: the library sgp4 reads these instead of those of an OMM.
 _OMM_UNUSED = {

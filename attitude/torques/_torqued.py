@@ -747,8 +747,15 @@ class TorquedRotation(Differentiable):
     origin: Instant | None
 
     _value = (
-        *("body", "spin", "torques", "scheme"),
-        *("step", "tolerance", "step_tolerance", "_span_given", "origin"),
+        "body",
+        "spin",
+        "torques",
+        "scheme",
+        "step",
+        "tolerance",
+        "step_tolerance",
+        "_span_given",
+        "origin",
     )
 
     @arguments({"torque": "give torques="}, "TorquedRotation(body, spin, torques, step=1.0)")

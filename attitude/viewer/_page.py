@@ -33,8 +33,23 @@ if TYPE_CHECKING:
 FOLDER: Path = Path(__file__).resolve().parent / "page"
 # The viewer's scripts, in the order in which they are joined: each uses those before it.
 SCRIPTS: tuple[str, ...] = (
-    *("bytes", "poses", "shade", "clock", "surface", "labels", "arrows", "poinsot", "stage"),
-    *("quality", "views", "curve", "panel", "keys", "numbers", "share", "main"),
+    "bytes",
+    "poses",
+    "shade",
+    "clock",
+    "surface",
+    "labels",
+    "arrows",
+    "poinsot",
+    "stage",
+    "quality",
+    "views",
+    "curve",
+    "panel",
+    "keys",
+    "numbers",
+    "share",
+    "main",
 )
 
 
