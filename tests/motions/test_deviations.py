@@ -46,12 +46,13 @@ def test_within_the_scatter_of_samples(name):
     root = np.random.default_rng(1).normal(size=(9, 9)) * 1e-6
     motion = motion_of(moments, omega, root @ root.T, frame="ecliptic")
     found = motion.deviations()
-    each = np.array([_numbers(other) for other in motion.sample(COUNT, seed=2)])
-    for k, (key, (value, minus, plus)) in enumerate(found.items()):
-        assert np.array_equal([value], [_numbers(motion)[k]], equal_nan=True)
+    samples = [_numbers(other) for other in motion.sample(COUNT, seed=2)]
+    numbers = _numbers(motion)
+    for key, (value, minus, plus) in found.items():
+        assert np.array_equal([value], [numbers[key]], equal_nan=True)
         if name not in SMOOTH and key not in UNIFORM:
             continue
-        away = each[:, k] - value
+        away = np.array([sample[key] for sample in samples]) - value
         if key in ("right_ascension", "longitude"):
             away = (away + math.pi) % (2.0 * math.pi) - math.pi
         scatter = np.sqrt(np.mean(away**2))
