@@ -49,8 +49,13 @@ def tables(quick):
         *("changes between samples", "missed", "us a rotation, four conditions"),
     )
     row = (
-        *(count, f"{rotations:.0e}", f"{count * rotations * 2.0 * np.pi / step:.1e}"),
-        *(f"{total[0]:,.0f}", f"{total[1]:,.0f}", f"{total[2]:.0f}", f"{turn * 1e6:.0f}"),
+        count,
+        f"{rotations:.0e}",
+        f"{count * rotations * 2.0 * np.pi / step:.1e}",
+        f"{total[0]:,.0f}",
+        f"{total[1]:,.0f}",
+        f"{total[2]:.0f}",
+        f"{turn * 1e6:.0f}",
     )
     yield Table("events", markdown(head, [row]), costs={"a rotation": turn * 1e9})
 

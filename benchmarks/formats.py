@@ -33,7 +33,10 @@ def tables(quick):
     for name, writing, reading, size, angle, late in measured(100_000):
         rows.append(
             (
-                *(name, f"{writing:.2f}", f"{reading:.2f}", f"{size:.1f}"),
+                name,
+                f"{writing:.2f}",
+                f"{reading:.2f}",
+                f"{size:.1f}",
                 *("same bits" if angle == 0.0 else f"{angle:.1e}", f"{late:.1e}"),
             )
         )

@@ -46,8 +46,13 @@ COMMANDS = (
     *(
         ([f"examples/{name}.py"], [f"{name}.png"], False, ())
         for name in (
-            *("apophis_2029_torque", "apophis_light_curve", "despin", "envisat_glints"),
-            *("relaxation", "t_handle", "yorp"),
+            "apophis_2029_torque",
+            "apophis_light_curve",
+            "despin",
+            "envisat_glints",
+            "relaxation",
+            "t_handle",
+            "yorp",
         )
     ),
     (["docs/make_gallery.py"], ["gallery"], False, ("PIL",)),

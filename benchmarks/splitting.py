@@ -620,8 +620,11 @@ def tolerance(quick, output):
         "damping": LinearDamping(1e-4),
     }
     for name, limit in (
-        *(("kick-rotate-kick", 1e-9), ("hoa", 1e-9), ("force-gradient", 1e-12)),
-        *(("suzuki", 1e-12), ("blanes-moan", 1e-12)),
+        ("kick-rotate-kick", 1e-9),
+        ("hoa", 1e-9),
+        ("force-gradient", 1e-12),
+        ("suzuki", 1e-12),
+        ("blanes-moan", 1e-12),
     ):
         shown = []
         for key, torque in torques.items():

@@ -179,18 +179,31 @@ TUMBLER = Body(moments=(1.0, 2.0, 2.6))
 # state, torques, turns; the change of |L| or the pole, its error of first order, its gain by second
 ORDERS = {
     "gravity": (
-        *(ENVISAT, (0.13, 0.0078, 0.0078), GravityGradient(circle(12e6, slope=SLOPE), GM)),
-        *(1000, "pole", 1e-3, 5.0),
+        ENVISAT,
+        (0.13, 0.0078, 0.0078),
+        GravityGradient(circle(12e6, slope=SLOPE), GM),
+        1000,
+        "pole",
+        1e-3,
+        5.0,
     ),
     "rates": (
-        *(TUMBLER, (1.0, 0.2, 0.3)),
+        TUMBLER,
+        (1.0, 0.2, 0.3),
         [ConstantTorque((1e-3, 5e-4, 5e-4)), LinearDamping(np.diag([2e-3, 1e-3, 3e-4]))],
-        *(60, "size", 1e-3, 50.0),
+        60,
+        "size",
+        1e-3,
+        50.0,
     ),
     "slips": (
-        *(TUMBLER, (0.1, 0.3, 1.0)),
+        TUMBLER,
+        (0.1, 0.3, 1.0),
         [ConstantTorque((1e-3, 5e-4, 5e-4)), InternalDissipation(1e-3)],
-        *(60, "size", 1e-3, 10.0),
+        60,
+        "size",
+        1e-3,
+        10.0,
     ),
 }
 

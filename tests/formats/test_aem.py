@@ -160,7 +160,10 @@ def test_the_frame_of_rates_by_keyword_or_by_name(tmp_path, version, body_is_a):
     half = (-1.0 if body_is_a else 1.0) * np.sqrt(0.5)
     old = version == "1.0"
     meta = [
-        *("OBJECT_NAME = SAT", "OBJECT_ID = 2026-001A", f"REF_FRAME_A = {a}", f"REF_FRAME_B = {b}"),
+        "OBJECT_NAME = SAT",
+        "OBJECT_ID = 2026-001A",
+        f"REF_FRAME_A = {a}",
+        f"REF_FRAME_B = {b}",
         *("TIME_SYSTEM = UTC", "START_TIME = 2026-01-01T00:00:00"),
         *(
             "STOP_TIME = 2026-01-01T00:00:01",
