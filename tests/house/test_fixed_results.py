@@ -691,7 +691,8 @@ def found_events():
     start = epochs.instant("2013-10-23T15:30:00")
     end = start.after(4.0 * 3600.0)
     passes = events.passes(found.scene, start, end, elevation=np.radians(5)).table()
-    # Rounding moves the epoch of a maximum by its root, some 1e-5 s: there by a degree a second.
+    # Rounding moves the epoch of a maximum by its root, some 1e-5 s, in which the azimuth turns by
+    # up to 3e-5 degrees.
     culminations = {f"azimuth {k}": (float(x), 1e-4) for k, x in enumerate(passes["azimuth"].value)}
     passes.remove_column("azimuth")
     yield "passes", tabled(passes)
